@@ -1,0 +1,19 @@
+#pragma once
+
+#include <filesystem>
+
+#include "server/texture/content_exchange.h"
+#include "shared/result/result.h"
+
+namespace tessera {
+
+/// Reads the folder that `tessera prepare` made (proto/asset.proto) and checks everything in it: sizes,
+/// labels, boxes that enclose their patches, offsets inside the exemplar, files inside the folder. Errors:
+/// invalid_input, io_failure; the message names file, field and fix.
+Result<ContentExchangeAsset> read_content_exchange_asset(const std::filesystem::path& folder);
+
+/// Writes the folder whole or not at all: a neighbour that is renamed into place. `seed` is recorded.
+Result<void> write_content_exchange_asset(const std::filesystem::path& folder,
+                                          const ContentExchangeAsset& asset, std::uint64_t seed);
+
+}  // namespace tessera

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "server/texture/content_exchange.h"
+#include "shared/result/result.h"
+
+namespace tessera {
+
+/// What an image file may cost before one of its texels is decoded.
+struct ImageLimits {
+    std::int64_t max_texels = std::int64_t{1}
+                              << 26;  ///< 64 Mtexel: 8192². Too little refuses real photographs.
+    std::int32_t max_side = 32768;
+    std::int64_t max_file_bytes = std::int64_t{1} << 28;
+};
+
+/// Reads a PNG, JPEG, WebP or TIFF, told apart by its first bytes and never by its name, as 8-bit sRGB. Grey
+/// becomes RGB, 16 bits are rounded to 8, opaque alpha is dropped; transparency is an error. Errors name the
+/// file.
+Result<Rgb8Image> read_rgb_image(const std::filesystem::path& file, const ImageLimits& limits = {});
+
+/// Reads an 8- or 16-bit grey PNG as it is: labels.
+struct LabelImage {
+    std::int32_t width = 0;
+    std::int32_t height = 0;
+    std::vector<std::uint16_t> labels;
+};
+Result<LabelImage> read_label_image(const std::filesystem::path& file, const ImageLimits& limits = {});
+
+Result<void> write_rgb_png(const std::filesystem::path& file, const Rgb8Image& image);
+Result<void> write_label_png(const std::filesystem::path& file, const LabelImage& image);
+
+}  // namespace tessera

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/texture/texture.h"
+#include "shared/page/page_key.h"
+#include "shared/result/result.h"
+
+namespace tessera {
+
+/// A loaded scene: immutable, shared by everything that answers for it.
+struct Scene {
+    std::string id;  ///< The folder's name: 1 to 64 of a–z, A–Z, 0–9, '-', '_', '.', not starting with '.'.
+    std::string title;
+    std::string attribution;
+    Extent extent;
+    std::uint64_t revision = 0;  ///< Accepted edits so far.
+    std::string fingerprint;  ///< 16 hex digits over the scene file, its assets and the evaluator's version.
+    std::shared_ptr<const Texture> texture;
+};
+
+using ScenePtr = std::shared_ptr<const Scene>;
+
+/// Reads `folder`/scene.json and the assets it names, and compiles the texture. Errors: invalid_input,
+/// io_failure; the message names file, field and fix.
+Result<ScenePtr> load_scene(const std::filesystem::path& folder);
+
+/// All scenes of a folder of scenes. One broken scene does not stop the others.
+struct Catalog {
+    struct Problem {
+        std::string id;
+        std::string message;
+    };
+    std::map<std::string, ScenePtr, std::less<>> scenes;
+    std::vector<Problem> broken;
+
+    /// Null if there is no such scene.
+    ScenePtr find(std::string_view id) const;
+};
+
+/// `folder` holds one folder for each scene; or is itself a scene. Error: io_failure if it cannot be read.
+Result<Catalog> load_catalog(const std::filesystem::path& folder);
+
+}  // namespace tessera

@@ -1,0 +1,35 @@
+#include "server/texture/texture.h"
+
+#include "shared/math/srgb.h"
+
+namespace tessera {
+
+void encode(const LinearImage& linear, Rgba8Image& out) {
+    out = Rgba8Image{linear.width, linear.height};
+    const auto& codes = steps_to_srgb();
+    for (std::size_t i = 0; i < linear.values.size(); i += 4) {
+        for (std::size_t channel = 0; channel < 3; ++channel)
+            out.bytes[i + channel] = codes[to_steps(linear.values[i + channel])];
+        // Alpha is a coverage, not a colour: linear in its code
+        out.bytes[i + 3] =
+            static_cast<std::uint8_t>((to_steps(linear.values[i + 3]) * 255u + 32767u) / 65535u);
+    }
+}
+
+Result<Evaluation> Texture::evaluate(const TexelRegion& region, const Budget& budget, Rgba8Image& out) const {
+    LinearImage linear;
+    const auto evaluation = evaluate(region, budget, linear);
+    if (evaluation) encode(linear, out);
+    return evaluation;
+}
+
+Result<void> check_budget(const Budget& budget) {
+    if (budget.cancelled.stop_requested())
+        return Error{ErrorCode::cancelled, "nobody waits for this page any more"};
+    if (budget.deadline != std::chrono::steady_clock::time_point::max() &&
+        std::chrono::steady_clock::now() > budget.deadline)
+        return Error{ErrorCode::timed_out, "the evaluation's deadline passed"};
+    return {};
+}
+
+}  // namespace tessera

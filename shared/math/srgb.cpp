@@ -1,0 +1,20 @@
+#include "shared/math/srgb.h"
+
+namespace tessera {
+
+const std::array<std::uint8_t, 65536>& steps_to_srgb() noexcept {
+    static const auto table = [] {
+        std::array<std::uint8_t, 65536> codes{};
+        std::size_t step = 0;
+        for (int code = 0; code < 256; ++code) {
+            // Nearest in code values: the border between two codes lies half a code further
+            const double border = code == 255 ? 65536.0 : detail::decode(code + 0.5) * 65535.0;
+            for (; step < codes.size() && static_cast<double>(step) < border; ++step)
+                codes[step] = static_cast<std::uint8_t>(code);
+        }
+        return codes;
+    }();
+    return table;
+}
+
+}  // namespace tessera

@@ -1,0 +1,39 @@
+#include "shared/wire/json.h"
+
+#include <google/protobuf/util/json_util.h>
+
+namespace tessera {
+namespace {
+
+Result<void> read(std::string_view text, std::string_view where, google::protobuf::Message& message,
+                  bool lenient) {
+    google::protobuf::util::JsonParseOptions options;
+    options.ignore_unknown_fields = lenient;
+    const auto status = google::protobuf::util::JsonStringToMessage(std::string{text}, &message, options);
+    if (status.ok()) return {};
+    return Error{ErrorCode::invalid_input, std::string{where} + ": " + std::string{status.message()}};
+}
+
+}  // namespace
+
+Result<void> read_json(std::string_view text, std::string_view where, google::protobuf::Message& message) {
+    return read(text, where, message, false);
+}
+
+Result<void> read_json_leniently(std::string_view text, std::string_view where,
+                                 google::protobuf::Message& message) {
+    return read(text, where, message, true);
+}
+
+std::string write_json(const google::protobuf::Message& message) {
+    google::protobuf::util::JsonPrintOptions options;
+    options.add_whitespace = true;
+    options.preserve_proto_field_names = true;
+    options.always_print_primitive_fields = true;
+    std::string text;
+    // Fails only for messages with invalid embedded types, which ours do not have
+    (void)google::protobuf::util::MessageToJsonString(message, &text, options);
+    return text;
+}
+
+}  // namespace tessera

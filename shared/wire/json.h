@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include <google/protobuf/message.h>
+
+#include "shared/result/result.h"
+
+namespace tessera {
+
+/// Reads protobuf JSON into `message`. An unknown field, a wrong type or broken JSON is `invalid_input`, with
+/// protobuf's own words, which name the field's path, behind `where` (the file or the request).
+Result<void> read_json(std::string_view text, std::string_view where, google::protobuf::Message& message);
+
+/// The same, but fields that we do not know are skipped: for answers of a newer server.
+Result<void> read_json_leniently(std::string_view text, std::string_view where,
+                                 google::protobuf::Message& message);
+
+/// Indented protobuf JSON with the names of the .proto file, ending in a newline.
+std::string write_json(const google::protobuf::Message& message);
+
+}  // namespace tessera
