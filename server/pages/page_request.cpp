@@ -1,0 +1,51 @@
+#include "server/pages/page_request.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstring>
+
+#include <xxhash.h>
+
+#include "server/pages/page_encoder.h"
+
+namespace tessera {
+
+std::uint64_t page_revision(const Scene&, PageKey) noexcept { return 0; }  // scenes take no edits yet
+
+PageId page_id(const PageRequest& request) {
+    // Every field at its full width, in a fixed order
+    std::array<std::byte, 128> bytes;
+    std::size_t size = 0;
+    const auto add = [&](const void* value, std::size_t length) {
+        std::memcpy(bytes.data() + size, value, length);
+        size += length;
+    };
+    const auto add_integer = [&](auto value) { add(&value, sizeof value); };
+    const std::string& fingerprint = request.scene->fingerprint;
+    add_integer(XXH3_64bits(fingerprint.data(), fingerprint.size()));
+    add(fingerprint.data(), std::min<std::size_t>(fingerprint.size(), 64));
+    add_integer(page_revision(*request.scene, request.key));
+    add_integer(encoder_version);
+    add_integer(request.key.x);
+    add_integer(request.key.y);
+    add_integer(request.key.level);
+    add_integer(request.options.format);
+    add_integer(request.options.coding);
+    add_integer(request.options.gutter);
+    add_integer(request.options.accuracy);
+    const XXH128_hash_t digest = XXH3_128bits(bytes.data(), size);
+    return {digest.high64, digest.low64};
+}
+
+std::string etag_of(PageId id) {
+    constexpr std::string_view digits = "0123456789abcdef";
+    std::string tag(34, '"');
+    for (std::size_t i = 0; i < 16; ++i) {
+        tag[1 + i] = digits[id.high >> (60 - 4 * i) & 15];
+        tag[17 + i] = digits[id.low >> (60 - 4 * i) & 15];
+    }
+    return tag;
+}
+
+}  // namespace tessera

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "server/pages/page_format.h"
+#include "server/scene/scene.h"
+#include "server/texture/texture.h"
+#include "shared/page/page_key.h"
+
+namespace tessera {
+
+/// Everything beside scene and key that a page's bytes depend on.
+struct PageOptions {
+    PageFormat format = PageFormat::png;
+    ContentCoding coding = ContentCoding::identity;  ///< zstd only with PageFormat::rgba.
+    std::uint8_t gutter = 0;                         ///< Texels, 0 to max_gutter_texels.
+    Accuracy accuracy = Accuracy::high;
+    bool operator==(const PageOptions&) const = default;
+};
+
+/// How soon a page is wanted: RFC 9218's urgency, 0 (first) to 7. Visible pages before prefetched ones.
+struct Urgency {
+    static constexpr std::uint8_t least = 7;
+    std::uint8_t value = 3;
+    auto operator<=>(const Urgency&) const = default;
+};
+
+/// `scene` is not null and its extent contains `key`.
+struct PageRequest {
+    ScenePtr scene;
+    PageKey key;
+    PageOptions options;
+    Urgency urgency;
+};
+
+/// The last edit of `scene` that touched the page.
+std::uint64_t page_revision(const Scene& scene, PageKey key) noexcept;
+
+/// Names a page's bytes: two requests with equal ids get equal bytes. 128 bits of hash over the scene's
+/// fingerprint, the page's own revision, its key, the options, and the encoders' version. Known without
+/// evaluating the page.
+struct PageId {
+    std::uint64_t high = 0, low = 0;
+    bool operator==(const PageId&) const = default;
+};
+PageId page_id(const PageRequest& request);
+
+/// A strong entity tag with its quotes (RFC 9110, 8.8.3).
+std::string etag_of(PageId id);
+
+}  // namespace tessera
+
+template <>
+struct std::hash<tessera::PageId> {
+    std::size_t operator()(const tessera::PageId& id) const noexcept { return id.low; }
+};
