@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstdint>
+
+#include "server/texture/content_exchange.h"
+
+namespace tessera {
+
+inline constexpr std::int32_t min_painting_side = 64;
+inline constexpr std::int32_t max_painting_side = 4096;
+
+/// Paints stones of many rocks and sizes that lie on each other in sunlight, as a camera above would see
+/// them: the exemplar of the scene `pebbles`. `side` is in texels, min_painting_side to max_painting_side
+/// (others are clamped); the stones' size in texels does not depend on it. The picture's borders meet. The
+/// same arguments give the same bytes on every machine and compiler: +, −, ×, ÷ and square roots only.
+Rgb8Image paint_pebbles(std::int32_t side, std::uint64_t seed);
+
+}  // namespace tessera
