@@ -1,0 +1,81 @@
+#include "client/link/page_url.h"
+
+namespace tessera {
+
+std::string_view ending(PageFormat format) {
+    switch (format) {
+        case PageFormat::rgba:
+            return "rgba";
+        case PageFormat::png:
+            return "png";
+        case PageFormat::jpg:
+            return "jpg";
+        case PageFormat::webp:
+            return "webp";
+    }
+    return "rgba";
+}
+
+std::optional<PageFormat> page_format(std::string_view text) {
+    for (const PageFormat format : {PageFormat::rgba, PageFormat::png, PageFormat::jpg, PageFormat::webp})
+        if (ending(format) == text) return format;
+    return std::nullopt;
+}
+
+std::string_view name(Accuracy accuracy) {
+    switch (accuracy) {
+        case Accuracy::standard:
+            return "";
+        case Accuracy::exact:
+            return "exact";
+        case Accuracy::high:
+            return "high";
+        case Accuracy::fast:
+            return "fast";
+    }
+    return "";
+}
+
+std::string percent_encoded(std::string_view text) {
+    constexpr std::string_view digits = "0123456789ABCDEF";
+    std::string encoded;
+    for (const char c : text) {
+        const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                           c == '-' || c == '.' || c == '_' || c == '~';
+        if (plain) {
+            encoded += c;
+        } else {
+            const auto byte = static_cast<unsigned char>(c);
+            encoded += '%';
+            encoded += digits[byte >> 4];
+            encoded += digits[byte & 15];
+        }
+    }
+    return encoded;
+}
+
+std::string scene_target(std::string_view scene_id) { return "/scenes/" + percent_encoded(scene_id); }
+
+std::string page_target(std::string_view scene_id, Extent extent, PageKey page, const PageOptions& options) {
+    std::string target = scene_target(scene_id);
+    for (const std::uint32_t part : {std::uint32_t{extent.zoom(page.level)}, page.x, page.y}) {
+        target += '/';
+        target += std::to_string(part);
+    }
+    target += '.';
+    target += ending(options.format);
+    char separator = '?';
+    if (options.accuracy != Accuracy::standard) {
+        target += separator;
+        target += "accuracy=";
+        target += name(options.accuracy);
+        separator = '&';
+    }
+    if (options.gutter != 0) {
+        target += separator;
+        target += "gutter=" + std::to_string(options.gutter);
+    }
+    return target;
+}
+
+}  // namespace tessera

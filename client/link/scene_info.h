@@ -1,0 +1,46 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <boost/asio/awaitable.hpp>
+
+#include "client/link/server_address.h"
+#include "shared/page/page_key.h"
+#include "shared/result/result.h"
+
+namespace tessera {
+
+class HttpConnection;
+
+/// What a client must know of a scene before it can ask for pages.
+struct SceneInfo {
+    std::string id;
+    std::string title;
+    std::string attribution;
+    Extent extent;
+    std::int32_t max_gutter = 0;       ///< The widest gutter the server gives, at most max_gutter_texels.
+    std::uint64_t revision = 0;        ///< Accepted edits so far.
+    std::string fingerprint;           ///< Changes with scene, assets and the evaluator's version.
+    std::vector<std::string> formats;  ///< Endings of pages, as in "png".
+    std::string texture;               ///< The kind of texture, as in "checker".
+};
+
+/// Reads a scene's TileJSON; `where` names its source in errors. Fields that we do not know are skipped; a
+/// page side or an extent that we cannot show is `invalid_input`.
+Result<SceneInfo> parse_scene_info(std::string_view json, std::string_view where);
+
+/// Asks the server for a scene. An unknown scene is `no_such_scene`, and the detail lists the scenes there
+/// are.
+boost::asio::awaitable<Result<SceneInfo>> read_scene_info(HttpConnection& connection,
+                                                          std::string_view scene_id);
+
+/// The same on a connection of its own, waiting for the answer, for at most `timeout` each for connecting and
+/// for answering.
+Result<SceneInfo> read_scene_info(const ServerAddress& server, std::string_view scene_id,
+                                  std::chrono::milliseconds timeout = std::chrono::seconds{10});
+
+}  // namespace tessera

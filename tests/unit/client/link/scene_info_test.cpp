@@ -1,0 +1,66 @@
+#include "client/link/scene_info.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/client/link/small_server.h"
+
+namespace tessera {
+namespace {
+
+using test::SmallServer;
+using ::testing::HasSubstr;
+
+TEST(SceneInfo, ComesFromTileJsonAndSkipsWhatItDoesNotKnow) {
+    SmallServer server{[](const SmallServer::Request& request) {
+        EXPECT_EQ(request.target(), "/scenes/checker");
+        return SmallServer::Answer{.body = test::small_tile_json(12)};
+    }};
+    const auto info = read_scene_info(server.address(), "checker");
+    ASSERT_TRUE(info) << info.error().detail;
+    EXPECT_EQ(info->id, "checker");
+    EXPECT_EQ(info->title, "A checker");
+    EXPECT_EQ(info->extent, Extent{12});
+    EXPECT_EQ(info->max_gutter, 8);
+    EXPECT_EQ(info->revision, 7u);
+    EXPECT_EQ(info->fingerprint, "abc");
+    EXPECT_THAT(info->formats, ::testing::ElementsAre("png", "rgba"));
+}
+
+TEST(SceneInfo, NamesTheScenesThereAreIfTheOneAskedForIsNotAmongThem) {
+    SmallServer server{[](const SmallServer::Request& request) {
+        if (request.target() == "/scenes")
+            return SmallServer::Answer{.body = R"({"scenes": [{"id": "pebbles"}, {"id": "stones"}]})"};
+        return SmallServer::Answer{.status = 404};
+    }};
+    const auto info = read_scene_info(server.address(), "peebles");
+    ASSERT_FALSE(info);
+    EXPECT_EQ(info.error().code, ErrorCode::no_such_scene);
+    EXPECT_THAT(info.error().detail, HasSubstr("pebbles, stones"));
+}
+
+TEST(SceneInfo, RefusesWhatIsNoTesseraServerAndPagesItCannotShow) {
+    EXPECT_THAT(parse_scene_info("<html>", "x").error().detail, HasSubstr("x:"));
+    EXPECT_THAT(parse_scene_info(R"({"tilejson": "3.0.0"})", "x").error().detail,
+                HasSubstr("'tessera' is missing"));
+    EXPECT_THAT(parse_scene_info(R"({"tessera": {"page_side": 512}})", "x").error().detail,
+                HasSubstr("page_side"));
+    EXPECT_THAT(
+        parse_scene_info(R"({"tessera": {"page_side": 256, "extent_log2_pages": 31}})", "x").error().detail,
+        HasSubstr("extent_log2_pages"));
+}
+
+TEST(SceneInfo, SaysThatNobodyListens) {
+    std::uint16_t port = 0;
+    {
+        SmallServer server{[](const SmallServer::Request&) { return SmallServer::Answer{}; }};
+        port = server.address().port;
+    }
+    const auto info = read_scene_info({"127.0.0.1", port}, "checker");
+    ASSERT_FALSE(info);
+    EXPECT_EQ(info.error().code, ErrorCode::io_failure);
+    EXPECT_THAT(info.error().detail, HasSubstr("is the server running"));
+}
+
+}  // namespace
+}  // namespace tessera
