@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/residency/needed_pages.h"
+#include "client/residency/page_cache.h"
+#include "client/residency/page_requests.h"
+#include "client/residency/page_table.h"
+
+namespace tessera {
+
+struct ResidencySettings {
+    /// Pages in the cache: 64 to 2048. The view needs up to about 70 pages at 800×700, and more on larger
+    /// screens; each takes 279 KB of GPU memory. Too few and the picture is blurred on purpose (lod_bias).
+    std::size_t slots = 512;
+    /// Entries along a side of each level's window: 32 reaches far enough for pictures up to about 1200
+    /// pixels wide, 64 up to 2400, 128 beyond. Too small blurs the sides.
+    int window_side = 32;
+    /// Levels from the coarsest down that never leave the cache, so that there is always something to show.
+    int pinned_levels = 3;
+    /// New pages a frame: too many make the frame late, too few make the picture late.
+    std::size_t uploads_per_frame = 8;
+    RequestLimits requests{};
+};
+
+/// Enough entries a side for a picture so many pixels wide.
+int window_side_for(int width_pixels);
+
+/// Texels to put into a slot, before the next picture is drawn.
+struct SlotUpload {
+    Slot slot = 0;
+    PageKey page;
+    std::string texels;  ///< slot_bytes; see ArrivedPage
+};
+
+/// One frame's outcome.
+struct ResidencyFrame {
+    std::vector<SlotUpload> uploads;
+    double lod_bias = 0;        ///< To add to every pixel's level, in the shader too.
+    std::size_t needed = 0;     ///< Pages the view samples.
+    std::size_t missing = 0;    ///< Of these, not resident and not given up.
+    double resident_share = 1;  ///< Of the pixels that see the plane, those that are sharp: 0 to 1.
+    double mip_deficit = 0;     ///< Levels missing, averaged over the pixels that see the plane.
+    bool is_sharp() const { return missing == 0; }
+};
+
+/// Runs the stages in order, once a frame: what is needed, what has come, what is shown, what to ask for.
+class Residency {
+  public:
+    /// `source` outlives this.
+    Residency(Extent extent, PageSource& source, const ResidencySettings& settings);
+
+    /// The clip centre of `view` lies inside the extent.
+    ResidencyFrame update(const PlaneView& view, ClientTime now);
+
+    PageTable& table() { return table_; }
+    const PageTable& table() const { return table_; }
+    const PageCache& cache() const { return cache_; }
+    const PageRequests& requests() const { return requests_; }
+    const ResidencySettings& settings() const { return settings_; }
+    Extent extent() const { return extent_; }
+
+  private:
+    std::vector<NeededPage> need(const PlaneView& view);
+    bool is_pinned(PageKey page) const { return page.level + settings_.pinned_levels > extent_.n; }
+    void mark_used(const std::vector<NeededPage>& needed);
+    std::vector<SlotUpload> place_arrivals(ClientTime now);
+    std::vector<WantedPage> wanted(const std::vector<NeededPage>& needed) const;
+
+    Extent extent_;
+    ResidencySettings settings_;
+    PageTable table_;
+    PageCache cache_;
+    PageRequests requests_;
+    double lod_bias_ = 0;
+};
+
+}  // namespace tessera

@@ -1,0 +1,96 @@
+#include "client/residency/residency.h"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/client/residency/fake_page_source.h"
+
+namespace tessera {
+namespace {
+
+using testing::FakePageSource;
+using namespace std::chrono_literals;
+
+Camera camera_at(std::int64_t x, std::int64_t y, double height = 600, double pitch = -30) {
+    return {.ground = {x, y, 0.25, 0.5}, .height_texels = height, .yaw_degrees = 20, .pitch_degrees = pitch};
+}
+
+TEST(Residency, BecomesSharpWithinABoundedNumberInFlight) {
+    FakePageSource source{testing::blank_page};
+    source.deliver_at_once = 5;
+    Residency residency{Extent{20}, source, {}};
+    const PlaneView view{camera_at(5'000'000, 7'000'000), 800, 700};
+    int frames = 0;
+    while (!residency.update(view, ClientTime{16 * frames}).is_sharp()) ASSERT_LT(++frames, 200);
+    const ResidencyFrame frame = residency.update(view, ClientTime{16 * frames});
+    EXPECT_EQ(frame.resident_share, 1);
+    EXPECT_EQ(frame.mip_deficit, 0);
+    EXPECT_LE(source.most_under_way, residency.settings().requests.in_flight);
+    EXPECT_EQ(source.duplicate_requests, 0);
+    EXPECT_LE(source.asked.size(), 2 * frame.needed) << "steps on the way cost something, not a multiple";
+}
+
+TEST(Residency, AsksForTheCoarsestPageFirstAndForNothingOutsideTheExtent) {
+    const Extent extent{14};
+    FakePageSource source{testing::blank_page};
+    Residency residency{extent, source, {}};
+    for (int frame = 0; frame < 300; ++frame) {
+        const std::int64_t corner = frame % 100 < 50 ? 0 : extent.side_texels() - 1;
+        residency.update(PlaneView{camera_at(corner, corner, 3000, -20), 800, 700}, ClientTime{16 * frame});
+    }
+    ASSERT_FALSE(source.asked.empty());
+    EXPECT_EQ(source.asked.front(), (PageKey{14, 0, 0}));
+    for (const PageKey page : source.asked) EXPECT_TRUE(extent.contains(page));
+}
+
+TEST(Residency, ShowsSomethingForEveryPageOnceTheCoarsestHasCome) {
+    FakePageSource source{testing::blank_page};
+    source.deliver_at_once = 2;
+    Residency residency{Extent{16}, source, {.slots = 96}};
+    std::mt19937 random{5};
+    for (int frame = 0; frame < 400; ++frame) {
+        const auto anywhere = [&] { return static_cast<std::int64_t>(random() % (1u << 24)); };
+        static Camera camera;
+        if (frame % 20 == 0)
+            camera = camera_at(anywhere(), anywhere(), 300 + int(random() % 5000), -10 - int(random() % 70));
+        const PlaneView view{camera, 800, 700};
+        const ResidencyFrame outcome = residency.update(view, ClientTime{16 * frame});
+        if (frame < 20) continue;
+        for (const NeededPage& page : needed_pages(view, Extent{16}, outcome.lod_bias))
+            ASSERT_TRUE(residency.table().shown_for(page.key));
+        ASSERT_LE(residency.cache().size(), 96u);
+    }
+    EXPECT_GT(residency.cache().evictions(), 100u);
+}
+
+TEST(Residency, BlursInsteadOfThrashingWhereTheCacheIsTooSmall) {
+    FakePageSource source{testing::blank_page};
+    Residency residency{Extent{20}, source, {.slots = 40}};
+    const PlaneView view{camera_at(5'000'000, 7'000'000, 1400, -25), 1100, 900};
+    ResidencyFrame frame;
+    for (int i = 0; i < 200; ++i) frame = residency.update(view, ClientTime{16 * i});
+    EXPECT_TRUE(frame.is_sharp());
+    EXPECT_GT(frame.lod_bias, 0);
+    const std::size_t asked = source.asked.size();
+    for (int i = 200; i < 400; ++i) frame = residency.update(view, ClientTime{16 * i});
+    EXPECT_LE(source.asked.size() - asked, 0u) << "at rest nothing is fetched again";
+}
+
+TEST(Residency, FetchesNothingAgainAfterLookingAwayAndBack) {
+    FakePageSource source{testing::blank_page};
+    Residency residency{Extent{20}, source, {}};
+    const auto look = [&](double yaw) {
+        Camera camera = camera_at(5'000'000, 7'000'000);
+        camera.yaw_degrees = yaw;
+        for (int i = 0; i < 60; ++i) residency.update(PlaneView{camera, 800, 700}, 0ms);
+    };
+    look(0);
+    look(120);
+    const std::size_t asked = source.asked.size();
+    look(0);
+    EXPECT_EQ(source.asked.size(), asked);
+}
+
+}  // namespace
+}  // namespace tessera
