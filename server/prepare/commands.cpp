@@ -1,9 +1,82 @@
 #include "server/prepare/commands.h"
 
+#include <cstdio>
+#include <memory>
+#include <string>
+
 #include <CLI/CLI.hpp>
 
-namespace tessera {
+#include "server/prepare/interrupt.h"
+#include "server/prepare/prepare.h"
+#include "server/prepare/terminal_progress.h"
+#include "server/scene/asset_file.h"
+#include "server/scene/image_file.h"
 
-void add_prepare_command(CLI::App&, int&) {}
+namespace tessera {
+namespace {
+
+struct Arguments {
+    std::string photo;
+    std::string asset;
+    PrepareOptions options;
+    bool quiet = false;
+};
+
+Result<ContentExchangeAsset> prepare_file(const Arguments& arguments, Progress& progress) {
+    const auto photo = read_rgb_image(arguments.photo);
+    if (!photo) return photo.error();
+    auto asset = prepare_content_exchange(*photo, arguments.options, progress);
+    if (!asset) return Error{asset.error().code, arguments.photo + ": " + asset.error().detail};
+    progress.advance("writing", 0);
+    auto written = write_content_exchange_asset(arguments.asset, *asset, arguments.options.seed);
+    if (!written) return written.error();
+    return asset;
+}
+
+int run(const Arguments& arguments) {
+    const Interrupt interrupt;
+    Result<ContentExchangeAsset> asset = [&] {
+        TerminalProgress progress{{{"tile", 0.15}, {"patches", 0.05}, {"contents", 0.7}, {"writing", 0.1}},
+                                  arguments.quiet,
+                                  interrupt.token()};
+        return prepare_file(arguments, progress);
+    }();
+    if (!asset) {
+        std::fprintf(stderr, "tessera prepare: %s\n", asset.error().detail.c_str());
+        return 1;
+    }
+    std::size_t contents = 0;
+    for (const auto& patch : asset->patches) contents += patch.contents.size();
+    if (!arguments.quiet)
+        std::fprintf(stderr, "tessera prepare: %s: tile of %d texels, %zu patches, %zu contents\n",
+                     arguments.asset.c_str(), asset->tile_side, asset->patches.size(), contents);
+    return 0;
+}
+
+}  // namespace
+
+void add_prepare_command(CLI::App& app, int& exit_code) {
+    const auto arguments = std::make_shared<Arguments>();
+    PrepareOptions& options = arguments->options;
+    CLI::App& command = *app.add_subcommand("prepare", "Makes of a photograph what an endless texture needs");
+    command.add_option("PHOTO", arguments->photo, "PNG, JPEG, WebP or TIFF")->required();
+    command
+        .add_option("-o,--output", arguments->asset, "Folder to write; an asset that is there is replaced")
+        ->required();
+    command.add_option("--tile", options.tile_side, "Side of the periodic tile in texels, a power of two")
+        ->capture_default_str();
+    command.add_option("--patches", options.patches, "Patches of the tile, about")->capture_default_str();
+    command.add_option("--contents", options.contents, "Contents to find for each patch")
+        ->capture_default_str();
+    command
+        .add_option("--blend", options.blend_texels, "Width of the blending between patches in texels, even")
+        ->capture_default_str();
+    command.add_option("--seed", options.seed, "Another seed, other patches")->capture_default_str();
+    command
+        .add_option("--threads", options.threads, "0: one for each processor; changes nothing but the time")
+        ->capture_default_str();
+    command.add_flag("-q,--quiet", arguments->quiet, "No progress, only errors");
+    command.callback([arguments, &exit_code] { exit_code = run(*arguments); });
+}
 
 }  // namespace tessera

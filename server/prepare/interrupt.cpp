@@ -1,0 +1,26 @@
+#include "server/prepare/interrupt.h"
+
+#include <ctime>
+
+namespace tessera {
+
+Interrupt::Interrupt() {
+    sigset_t stopping;
+    sigemptyset(&stopping);
+    sigaddset(&stopping, SIGINT);
+    sigaddset(&stopping, SIGTERM);
+    pthread_sigmask(SIG_BLOCK, &stopping, &before_);
+    watcher_ = std::jthread{[this, stopping](const std::stop_token& over) {
+        const timespec moment{0, 50'000'000};
+        while (!over.stop_requested() && !source_.stop_requested())
+            if (sigtimedwait(&stopping, nullptr, &moment) > 0) source_.request_stop();
+    }};
+}
+
+Interrupt::~Interrupt() {
+    watcher_.request_stop();
+    watcher_.join();
+    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+}
+
+}  // namespace tessera

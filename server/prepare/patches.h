@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "server/prepare/perceptual.h"
+#include "server/texture/content_exchange.h"
+
+namespace tessera {
+
+/// A cover of the torus by patches: connected, each in a bounding box of at most half the tile's side.
+struct Segmentation {
+    std::vector<std::uint16_t> labels;                 ///< side×side
+    std::vector<ContentExchangeAsset::Patch> patches;  ///< Boxes; no contents yet.
+};
+
+/// Grows about `count` patches on the periodic `tile` (square, a power of two a side), whose borders keep to
+/// quiet places. `count` is from 16 to side²/16.
+Segmentation make_patches(const PerceptualImage& tile, std::int32_t count, std::uint64_t seed);
+
+}  // namespace tessera

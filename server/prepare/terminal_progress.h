@@ -1,0 +1,46 @@
+#pragma once
+
+#include <chrono>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "server/prepare/progress.h"
+
+namespace tessera {
+
+/// Shows progress on stderr: on a terminal one line, drawn again and again; elsewhere a line for each stage.
+class TerminalProgress final : public Progress {
+  public:
+    /// A stage and its part of the whole time; the parts sum to 1.
+    struct Share {
+        std::string stage;
+        double part = 0;
+    };
+
+    /// `shares` in the order of the stages. `quiet` shows nothing, not even notes.
+    TerminalProgress(std::vector<Share> shares, bool quiet, std::stop_token stop);
+    ~TerminalProgress() override;
+
+    void advance(std::string_view stage, double fraction) override;
+    void note(const std::string& sentence) override;
+    std::stop_token stop() const override { return stop_; }
+
+  private:
+    using Clock = std::chrono::steady_clock;
+    void draw(Clock::time_point now);
+    void wipe();
+
+    std::mutex mutex_;
+    const std::vector<Share> shares_;
+    const bool quiet_;
+    const bool terminal_;
+    const std::stop_token stop_;
+    const Clock::time_point begin_ = Clock::now();
+    Clock::time_point drawn_at_{};
+    bool drawn_ = false;
+    std::string stage_;
+    double whole_ = 0;  ///< Of everything, 0 to 1; never goes back.
+};
+
+}  // namespace tessera

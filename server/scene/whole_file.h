@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "shared/result/result.h"
+
+namespace tessera {
+
+/// Reads a regular file of at most `max_bytes`. Errors name the file: io_failure, or invalid_input if it is
+/// larger.
+Result<std::string> read_whole_file(const std::filesystem::path& file, std::int64_t max_bytes);
+
+/// Writes the file and waits until the disk has it. Error: io_failure, which names the file.
+Result<void> write_whole_file(const std::filesystem::path& file, std::span<const std::uint8_t> bytes);
+
+/// Waits until the disk has a folder's entries, after files were made or renamed in it.
+Result<void> sync_folder(const std::filesystem::path& folder);
+
+}  // namespace tessera
