@@ -33,7 +33,7 @@ class BackgroundPageClient::Worker {
         thread_.join();  // closed sockets end their operations with an error at once
     }
 
-    std::optional<RequestId> request(PageKey page, const PageOptions& options) {
+    std::optional<RequestId> request(PageKey page, const FetchOptions& options) {
         RequestId id = 0;
         {
             const std::lock_guard lock{mutex_};
@@ -86,7 +86,7 @@ class BackgroundPageClient::Worker {
 
   private:
     // On the worker's thread
-    void start(RequestId id, PageKey page, const PageOptions& options) {
+    void start(RequestId id, PageKey page, const FetchOptions& options) {
         const RequestId inner =
             client_->get(page, options, [this, id, page, options](RequestId, Result<PageReply> result) {
                 inner_ids_.erase(id);
@@ -122,7 +122,7 @@ BackgroundPageClient::BackgroundPageClient(ServerAddress server, SceneInfo scene
     : worker_{std::make_unique<Worker>(std::move(server), std::move(scene), settings, max_outstanding)} {}
 BackgroundPageClient::~BackgroundPageClient() = default;
 
-std::optional<RequestId> BackgroundPageClient::request(PageKey page, const PageOptions& options) {
+std::optional<RequestId> BackgroundPageClient::request(PageKey page, const FetchOptions& options) {
     return worker_->request(page, options);
 }
 void BackgroundPageClient::cancel(RequestId id) { worker_->cancel(id); }

@@ -14,7 +14,7 @@ namespace tessera {
 struct FinishedPage {
     RequestId id = 0;
     PageKey page;
-    PageOptions options;
+    FetchOptions options;
     Result<PageReply> result;
 };
 
@@ -31,7 +31,7 @@ class BackgroundPageClient {
     BackgroundPageClient& operator=(const BackgroundPageClient&) = delete;
 
     /// Starts a request; nothing if `max_outstanding` are out already.
-    std::optional<RequestId> request(PageKey page, const PageOptions& options = {});
+    std::optional<RequestId> request(PageKey page, const FetchOptions& options = {});
 
     /// The request will come back as finished with `cancelled`, or with its page if that was faster.
     void cancel(RequestId id);

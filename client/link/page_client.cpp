@@ -25,7 +25,7 @@ using std::chrono::milliseconds;
 
 namespace {
 
-constexpr std::size_t raw_page_bytes(const PageOptions& options) {
+constexpr std::size_t raw_page_bytes(const FetchOptions& options) {
     const auto side = static_cast<std::size_t>(page_side_texels + 2 * options.gutter);
     return 4 * side * side;
 }
@@ -69,7 +69,7 @@ class PageClient::State : public std::enable_shared_from_this<State> {
             lines_.push_back(std::make_unique<Line>(executor_, server_, settings_));
     }
 
-    RequestId get(PageKey page, const PageOptions& options, Completion completion);
+    RequestId get(PageKey page, const FetchOptions& options, Completion completion);
     void cancel(RequestId id);
     void cancel_all();
     void shut_down();
@@ -78,7 +78,7 @@ class PageClient::State : public std::enable_shared_from_this<State> {
   private:
     struct Request {
         PageKey page;
-        PageOptions options;
+        FetchOptions options;
         Completion completion;
         Clock::time_point asked = Clock::now();
         int attempts = 0;
@@ -117,7 +117,7 @@ class PageClient::State : public std::enable_shared_from_this<State> {
     bool shut_down_ = false;
 };
 
-RequestId PageClient::State::get(PageKey page, const PageOptions& options, Completion completion) {
+RequestId PageClient::State::get(PageKey page, const FetchOptions& options, Completion completion) {
     const RequestId id = ++last_id_;
     ++counts_.requested;
     Request& request = requests_.try_emplace(id).first->second;
@@ -171,7 +171,7 @@ asio::awaitable<void> PageClient::State::run(Line& line) {
         if (request.attempts > 1) ++counts_.retried;
         const std::string target = page_target(scene_.id, scene_.extent, request.page, request.options);
         HttpFields fields;
-        if (request.options.format == PageFormat::rgba) fields.set("Accept-Encoding", "zstd");
+        if (request.options.format == FetchFormat::rgba) fields.set("Accept-Encoding", "zstd");
         line.carries = id;
         Result<HttpReply> reply = co_await line.connection.get(target, fields);
         line.grace.cancel();
@@ -209,7 +209,7 @@ std::optional<Result<PageReply>> PageClient::State::judge(const std::string& tar
         }
         return Result<PageReply>{std::move(error)};
     }
-    const bool is_raw = request.options.format == PageFormat::rgba;
+    const bool is_raw = request.options.format == FetchFormat::rgba;
     const std::size_t most =
         is_raw ? raw_page_bytes(request.options) : std::size_t{settings_.limits.body_bytes};
     Result<std::string> bytes = decode_body(std::move(reply->body), reply->field("Content-Encoding"), most);
@@ -318,7 +318,7 @@ PageClient::PageClient(asio::any_io_executor executor, ServerAddress server, Sce
 
 PageClient::~PageClient() { state_->shut_down(); }
 
-RequestId PageClient::get(PageKey page, const PageOptions& options, Completion completion) {
+RequestId PageClient::get(PageKey page, const FetchOptions& options, Completion completion) {
     return state_->get(page, options, std::move(completion));
 }
 void PageClient::cancel(RequestId id) { state_->cancel(id); }

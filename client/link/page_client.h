@@ -36,7 +36,7 @@ struct PageClientSettings {
 
 struct PageReply {
     PageKey page;
-    PageOptions options;
+    FetchOptions options;
     /// rgba: rows from the top, 4·(256 + 2·gutter)² bytes, checked. Else the file as the format has it.
     std::string bytes;
     std::string etag;                  ///< Strong, in its quotes; empty where the server gives none.
@@ -74,7 +74,7 @@ class PageClient {
     /// Asks for a page. `completion` is called exactly once, never from within get() or cancel(). Errors: the
     /// ErrorCodes of HttpConnection::get and `malformed_request`, `no_such_page` (outside the extent; gone
     /// from the server), `page_changed`, `overloaded` (still so after all tries, or the queue is full).
-    RequestId get(PageKey page, const PageOptions& options, Completion completion);
+    RequestId get(PageKey page, const FetchOptions& options, Completion completion);
 
     /// The request ends with `cancelled`, soon. Nothing happens if it has ended.
     void cancel(RequestId id);

@@ -2,38 +2,37 @@
 
 namespace tessera {
 
-std::string_view ending(PageFormat format) {
+std::string_view ending(FetchFormat format) {
     switch (format) {
-        case PageFormat::rgba:
+        case FetchFormat::rgba:
             return "rgba";
-        case PageFormat::png:
+        case FetchFormat::png:
             return "png";
-        case PageFormat::jpg:
+        case FetchFormat::jpg:
             return "jpg";
-        case PageFormat::webp:
+        case FetchFormat::webp:
             return "webp";
     }
     return "rgba";
 }
 
-std::optional<PageFormat> page_format(std::string_view text) {
-    for (const PageFormat format : {PageFormat::rgba, PageFormat::png, PageFormat::jpg, PageFormat::webp})
+std::optional<FetchFormat> fetch_format(std::string_view text) {
+    for (const FetchFormat format :
+         {FetchFormat::rgba, FetchFormat::png, FetchFormat::jpg, FetchFormat::webp})
         if (ending(format) == text) return format;
     return std::nullopt;
 }
 
-std::string_view name(Accuracy accuracy) {
+std::string_view name_of(FetchAccuracy accuracy) {
     switch (accuracy) {
-        case Accuracy::standard:
-            return "";
-        case Accuracy::exact:
+        case FetchAccuracy::exact:
             return "exact";
-        case Accuracy::high:
+        case FetchAccuracy::high:
             return "high";
-        case Accuracy::fast:
+        case FetchAccuracy::fast:
             return "fast";
     }
-    return "";
+    return "high";
 }
 
 std::string percent_encoded(std::string_view text) {
@@ -56,7 +55,7 @@ std::string percent_encoded(std::string_view text) {
 
 std::string scene_target(std::string_view scene_id) { return "/scenes/" + percent_encoded(scene_id); }
 
-std::string page_target(std::string_view scene_id, Extent extent, PageKey page, const PageOptions& options) {
+std::string page_target(std::string_view scene_id, Extent extent, PageKey page, const FetchOptions& options) {
     std::string target = scene_target(scene_id);
     for (const std::uint32_t part : {std::uint32_t{extent.zoom(page.level)}, page.x, page.y}) {
         target += '/';
@@ -65,15 +64,14 @@ std::string page_target(std::string_view scene_id, Extent extent, PageKey page, 
     target += '.';
     target += ending(options.format);
     char separator = '?';
-    if (options.accuracy != Accuracy::standard) {
-        target += separator;
-        target += "accuracy=";
-        target += name(options.accuracy);
+    if (options.gutter != 0) {
+        target += "?gutter=" + std::to_string(options.gutter);
         separator = '&';
     }
-    if (options.gutter != 0) {
+    if (options.accuracy != FetchAccuracy::high) {
         target += separator;
-        target += "gutter=" + std::to_string(options.gutter);
+        target += "accuracy=";
+        target += name_of(options.accuracy);
     }
     return target;
 }
