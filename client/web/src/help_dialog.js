@@ -1,0 +1,50 @@
+import {element, icon_button} from './dom.js';
+
+const shortcuts = [
+  ['Move', ['←', '↑', '→', '↓'], 'with Shift: a whole screen'],
+  ['Zoom', ['+', '−'], 'one level at a time'],
+  ['Whole texture', ['0'], ''],
+  ['Go to a texel', ['T'], ''],
+  ['Page grid', ['G'], 'borders, keys and state of every page'],
+  ['Crisp or smooth', ['S'], 'when a texel is larger than a pixel'],
+  ['Full screen', ['F'], ''],
+  ['Copy a link to this view', ['C'], ''],
+  ['List of scenes', ['L'], ''],
+  ['This help', ['H'], ''],
+];
+
+/** Keyboard, mouse and touch, in a modal dialog: Escape closes it. */
+export function help_dialog() {
+  const dialog = element('dialog', {class: 'help', 'aria-labelledby': 'help-title'});
+  const close = icon_button('Close', 'close', () => dialog.close());
+  dialog.append(
+    element('header', {}, element('h2', {id: 'help-title', text: 'Getting around'}), close),
+    element(
+      'dl',
+      {},
+      ...shortcuts.map(([what, keys, note]) =>
+        element(
+          'div',
+          {},
+          element('dt', {}, element('span', {text: what}), note && element('small', {text: note})),
+          element('dd', {}, ...keys.map((key) => element('kbd', {text: key}))),
+        ),
+      ),
+    ),
+    element(
+      'p',
+      {},
+      'Drag to move, turn the wheel or pinch to zoom, double-click to come closer, hold Shift and drag to frame a part. ',
+      'The address always names the view: copy it, and whoever opens it sees the same texels.',
+    ),
+    element(
+      'footer',
+      {},
+      'Drawn with OpenLayers. ',
+      element('a', {href: 'licences.txt', target: '_blank', rel: 'noopener', text: 'Licences'}),
+    ),
+  );
+  // A click on the backdrop reaches the dialog itself, one inside it reaches a child
+  dialog.addEventListener('click', (event) => event.target === dialog && dialog.close());
+  return dialog;
+}

@@ -1,0 +1,98 @@
+import {element} from './dom.js';
+import {format_bytes, round_number_below, short_decimal, with_separators} from './numbers.js';
+import {key_text} from './texture.js';
+
+const state_words = {loading: 'loading', ready: 'ready', cached: 'from the cache', failed: 'failed'};
+
+/**
+ * The bar below the view: level, texel and page under the pointer (or in the middle of the view, when there is no
+ * pointer), the page's state, and how many pages are on their way.
+ */
+export class ReadOut {
+  #level = element('output', {class: 'value', 'data-read': 'level'});
+  #zoom = element('span', {class: 'quiet', 'data-read': 'zoom'});
+  #x = element('output', {class: 'value number', 'data-read': 'x'});
+  #y = element('output', {class: 'value number', 'data-read': 'y'});
+  #page = element('output', {class: 'value', 'data-read': 'page'});
+  #dot = element('span', {class: 'dot'});
+  #state = element('output', {class: 'value', 'data-read': 'state'});
+  #facts = element('span', {class: 'quiet', 'data-read': 'facts'});
+  #loading = element('output', {class: 'loading-count', 'data-read': 'loading'});
+
+  /** @param {() => void} retry_failed */
+  constructor(retry_failed) {
+    this.retry = element('button', {type: 'button', class: 'text-button', hidden: true, onclick: retry_failed});
+    this.element = element(
+      'footer',
+      {class: 'read-out panel', 'aria-label': 'Read-out'},
+      group('Level', this.#level, this.#zoom),
+      group('Texel', element('span', {class: 'axis', text: 'x'}), this.#x, element('span', {class: 'axis', text: 'y'}), this.#y),
+      group('Page', this.#page),
+      element('div', {class: 'read-group read-state'}, this.#dot, this.#state, this.#facts),
+      element('div', {class: 'read-group read-loading'}, this.#loading, this.retry),
+    );
+  }
+
+  /**
+   * @param {{
+   *   texture: import('./texture.js').Texture, resolution: number, level: number,
+   *   texel: {x: number, y: number}, ledger: import('./page_ledger.js').PageLedger
+   * }} now `texel` may lie between texels, and outside of the texture.
+   */
+  show({texture, resolution, level, texel, ledger}) {
+    this.#level.textContent = String(level);
+    this.#zoom.textContent = magnification(resolution, level);
+    const inside = texture.contains(texel);
+    this.#x.textContent = inside ? with_separators(Math.floor(texel.x)) : '–';
+    this.#y.textContent = inside ? with_separators(Math.floor(texel.y)) : '–';
+    const page = texture.page_at(texel, level);
+    this.#page.textContent = inside ? key_text(page) : 'outside';
+    const record = inside ? ledger.find(page) : undefined;
+    this.element.dataset.state = record?.state ?? 'none';
+    this.#state.textContent = record ? state_words[record.state] : inside ? 'not asked for' : 'nothing here';
+    this.#facts.textContent = record ? facts_of(record) : '';
+    this.#facts.title = record?.url ?? '';
+    this.#loading.textContent =
+      ledger.loading === 0 ? '' : ledger.loading === 1 ? '1 page loading' : `${with_separators(ledger.loading)} pages loading`;
+    this.retry.hidden = ledger.failed === 0;
+    this.retry.textContent = ledger.failed === 1 ? '1 failed: retry' : `${ledger.failed} failed: retry`;
+  }
+}
+
+/** @param {string} name @param {...any} values */
+const group = (name, ...values) => element('div', {class: 'read-group'}, element('span', {class: 'label', text: name}), ...values);
+
+/** How large a texel of the level shown is on screen, where it is not one pixel. @param {number} resolution @param {number} level */
+function magnification(resolution, level) {
+  const factor = 2 ** level / resolution;
+  return Math.abs(factor - 1) < 0.005 ? '' : `× ${factor >= 10 ? Math.round(factor) : short_decimal(factor)}`;
+}
+
+/** @param {import('./page_ledger.js').PageRecord} record */
+function facts_of({bytes, milliseconds, method, bound, problem, state}) {
+  if (state === 'failed') return problem ?? '';
+  return [
+    bytes !== undefined && format_bytes(bytes),
+    milliseconds !== undefined && state === 'ready' && `${milliseconds < 10 ? milliseconds.toFixed(1) : Math.round(milliseconds)} ms`,
+    method && method.replaceAll('_', ' '),
+    bound && (Number(bound) === 0 ? 'exact' : `± ${bound} codes`),
+  ]
+    .filter(Boolean)
+    .join(' · ');
+}
+
+/** A bar as long as a round number of texels. */
+export class ScaleBar {
+  #bar = element('div', {class: 'scale-line'});
+  #text = element('span', {});
+  element = element('div', {class: 'scale-bar', role: 'img'}, this.#text, this.#bar);
+
+  /** @param {number} resolution Level-0 texels under one CSS pixel. */
+  show(resolution) {
+    const texels = round_number_below(140 * resolution);
+    const text = `${with_separators(texels)} ${texels === 1 ? 'texel' : 'texels'}`;
+    this.#bar.style.width = `${texels / resolution}px`;
+    this.#text.textContent = text;
+    this.element.setAttribute('aria-label', `Scale: ${text}`);
+  }
+}

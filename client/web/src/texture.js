@@ -1,0 +1,72 @@
+/** A page is 256×256 texels of one level. */
+export const page_side = 256;
+
+/**
+ * A page key: MIP level (0 is the finest), and a cell of that level's grid, x rightwards and y downwards.
+ * @typedef {{level: number, x: number, y: number}} PageKey
+ */
+
+/** "level/x/y". @param {PageKey} page */
+export const key_text = ({level, x, y}) => `${level}/${x}/${y}`;
+
+/** Names of the kinds of texture, for people. */
+const kind_names = {
+  constant: 'Constant colour',
+  checker: 'Checker',
+  content_exchange: 'Content exchange',
+};
+
+/** @param {string} kind As the server names it. */
+export const kind_name = (kind) => kind_names[kind] ?? kind.replaceAll('_', ' ');
+
+/** What the extent is worth as plain RGBA, every level-0 texel stored. @param {number} n log2 of the pages on a side */
+export const uncompressed_bytes = (n) => (page_side * 2 ** n) ** 2 * 4;
+
+/** One virtual texture, as its TileJSON describes it. Positions are texels of level 0, from the top-left corner. */
+export class Texture {
+  /** @param {any} tilejson */
+  constructor(tilejson) {
+    const info = tilejson.tessera ?? {};
+    this.id = info.id;
+    this.title = tilejson.name || info.id;
+    this.attribution = tilejson.attribution ?? '';
+    this.description = tilejson.description ?? '';
+    this.kind = info.texture ?? '';
+    /** n: level n is one page. Protobuf's JSON leaves out zeros. */
+    this.coarsest_level = info.extent_log2_pages ?? tilejson.maxzoom ?? 0;
+    this.side_texels = page_side * 2 ** this.coarsest_level;
+    /** @type {string[]} */
+    this.formats = info.formats ?? ['png'];
+    /** Template of a page's path, with {z}, {x}, {y} and no extension; changes when the texture does. */
+    this.page_template = info.page_url || path_of(tilejson.tiles?.[0] ?? `/scenes/${info.id}/{z}/{x}/{y}.png`);
+  }
+
+  /**
+   * @param {PageKey} page
+   * @param {{format: string, accuracy: string}} options
+   * @returns {string} The page's path; `high` is the server's own default and stays unsaid.
+   */
+  page_url({level, x, y}, {format, accuracy}) {
+    const path = this.page_template
+      .replace('{z}', String(this.coarsest_level - level))
+      .replace('{x}', String(x))
+      .replace('{y}', String(y));
+    return `${path}.${format}${accuracy === 'high' ? '' : `?accuracy=${accuracy}`}`;
+  }
+
+  /** @param {{x: number, y: number}} texel */
+  contains({x, y}) {
+    return x >= 0 && y >= 0 && x < this.side_texels && y < this.side_texels;
+  }
+
+  /** The page of `level` that holds a texel of level 0. @param {{x: number, y: number}} texel @param {number} level */
+  page_at({x, y}, level) {
+    const side = page_side * 2 ** level;
+    return {level, x: Math.floor(x / side), y: Math.floor(y / side)};
+  }
+}
+
+/** "http://host/scenes/a/{z}/{x}/{y}.png" -> "/scenes/a/{z}/{x}/{y}". @param {string} template */
+function path_of(template) {
+  return template.replace(/^[a-z]+:\/\/[^/]+/i, '').replace(/\.[a-z]+$/i, '');
+}

@@ -1,0 +1,385 @@
+import OlMap from 'ol/Map.js';
+import View from 'ol/View.js';
+import {defaults as default_interactions} from 'ol/interaction/defaults.js';
+import TileLayer from 'ol/layer/Tile.js';
+
+import {format_address} from './address.js';
+import {element, icon, icon_button, mark} from './dom.js';
+import {go_to_box} from './go_to.js';
+import {listen_to_keys} from './keyboard.js';
+import {level_range, LevelRail} from './level_rail.js';
+import {with_separators} from './numbers.js';
+import {choices, chosen, options_menu} from './options_menu.js';
+import {PageGridLayer} from './page_grid_layer.js';
+import {PageLedger} from './page_ledger.js';
+import {PageSource} from './page_source.js';
+import {ReadOut, ScaleBar} from './read_out.js';
+import {connection} from './server.js';
+import {kind_name} from './texture.js';
+
+const calm = matchMedia('(prefers-reduced-motion: reduce)');
+
+/** The viewer of one texture: map, bars and keys. */
+export class Viewer {
+  #closed = new AbortController();
+  #ledger = new PageLedger();
+  #source;
+  #grid;
+  /** @type {OlMap} */
+  #map;
+  /** @type {{x: number, y: number} | null} The texel under the pointer. */
+  #pointer = null;
+  /** @type {number | null} Where a stepwise zoom under way will end, so that quick steps add up. */
+  #zooming_to = null;
+  #frame = 0;
+  #settle = 0;
+
+  /**
+   * @param {import('./texture.js').Texture} texture
+   * @param {import('./address.js').Address} address
+   * @param {{
+   *   say: (text: string) => void, help: () => void, leave: () => void, stale: () => void,
+   *   moved: (hash: string, jump: boolean) => void
+   * }} page `moved` is told the address of each new view; a jump deserves an entry in the history.
+   */
+  constructor(texture, address, page) {
+    this.texture = texture;
+    this.page = page;
+    this.options = chosen(address.options);
+    this.#source = new PageSource(texture, this.#ledger, this.#request(), page.stale);
+    this.#grid = new PageGridLayer(texture, this.#ledger, (resolution) => this.#level_shown(resolution));
+    this.#grid.shown = address.options.grid === '1';
+    this.#build();
+    this.#map = this.#make_map();
+    this.#listen();
+    this.show(address);
+  }
+
+  /** Call when the element is in the document. */
+  opened() {
+    document.title = `${this.texture.title} · Tessera`;
+    this.#map.setTarget(this.canvas);
+  }
+
+  close() {
+    this.#closed.abort();
+    clearTimeout(this.#settle);
+    cancelAnimationFrame(this.#frame);
+    this.#map.setTarget(undefined);
+    this.#map.dispose();
+  }
+
+  /** Takes over the view and options of an address of this texture. @param {import('./address.js').Address} address */
+  show({view, options}) {
+    for (const [name, value] of Object.entries(chosen(options))) this.#set_option(name, value);
+    this.#set_grid(options.grid === '1');
+    const middle = this.texture.side_texels / 2;
+    const {level, x, y} = view ?? {level: Math.min(1, this.texture.coarsest_level), x: middle, y: middle};
+    const {finest, coarsest} = level_range(this.texture);
+    const clamp = (/** @type {number} */ value, /** @type {number} */ low, /** @type {number} */ high) => Math.min(high, Math.max(low, value));
+    this.#view.cancelAnimations();
+    this.#view.setResolution(2 ** clamp(level, finest, coarsest));
+    this.#view.setCenter([clamp(x, 0, this.texture.side_texels), -clamp(y, 0, this.texture.side_texels)]);
+  }
+
+  /** The server's present description of the texture. @param {import('./texture.js').Texture} texture */
+  refresh(texture) {
+    this.texture = texture;
+    this.#source.set_texture(texture);
+  }
+
+  get #view() {
+    return this.#map.getView();
+  }
+
+  #request() {
+    const {format, accuracy, texels} = this.options;
+    return {format, accuracy, smooth: texels === 'smooth'};
+  }
+
+  #level_shown(/** @type {number} */ resolution) {
+    const grid = /** @type {any} */ (this.#source.getTileGrid());
+    return this.texture.coarsest_level - grid.getZForResolution(resolution, 0);
+  }
+
+  #make_map() {
+    const {finest, coarsest} = level_range(this.texture);
+    const side = this.texture.side_texels;
+    const layer = new TileLayer({source: this.#source, preload: 1, cacheSize: 384});
+    const map = new OlMap({
+      controls: [],
+      interactions: default_interactions({altShiftDragRotate: false, pinchRotate: false, keyboard: false}),
+      layers: [layer, this.#grid],
+      maxTilesLoading: 12,
+      view: new View({
+        projection: this.#source.getProjection() ?? undefined,
+        center: [side / 2, -side / 2],
+        resolution: 1,
+        minResolution: 2 ** finest,
+        maxResolution: 2 ** coarsest,
+        extent: [0, -side, side, 0],
+        constrainOnlyCenter: true,
+        smoothExtentConstraint: false,
+        smoothResolutionConstraint: false,
+        enableRotation: false,
+      }),
+    });
+    map.on('pointermove', (event) => {
+      if (event.dragging) return;
+      const [x, y] = event.coordinate;
+      this.#pointer = {x, y: -y};
+      this.#refresh_soon();
+    });
+    map.on('postrender', ({frameState}) => frameState && this.#after_frame(frameState));
+    map.on('moveend', () => this.page.moved(this.#hash(), false));
+    return map;
+  }
+
+  #build() {
+    const texture = this.texture;
+    this.canvas = element('div', {
+      class: 'map',
+      tabindex: 0,
+      role: 'application',
+      'aria-label': `${texture.title}. Arrow keys move, plus and minus zoom, H shows every key.`,
+    });
+    this.read_out = new ReadOut(() => this.#retry());
+    this.scale_bar = new ScaleBar();
+    this.rail = new LevelRail(level_range(texture), {
+      go: (level) => this.#view.setResolution(2 ** level),
+      step: (levels) => this.#step(levels),
+      fit: () => this.#fit(),
+    });
+    this.go_to = go_to_box((place) => this.#go_to(place));
+    this.menu = options_menu(this.options, texture.formats, (name, value) => {
+      this.#set_option(name, value);
+      this.page.moved(this.#hash(), false);
+    });
+    this.grid_button = icon_button('Page grid (G)', 'grid', () => this.#toggle_grid(), {'aria-pressed': 'false'});
+    const side = with_separators(texture.side_texels);
+    this.element = element(
+      'div',
+      {class: 'viewer'},
+      this.canvas,
+      element('div', {class: 'progress', 'aria-hidden': 'true'}),
+      element(
+        'header',
+        {class: 'top-bar'},
+        element(
+          'div',
+          {class: 'panel place'},
+          element('a', {class: 'home', href: '#', title: 'All scenes (L)', 'aria-label': 'All scenes'}, icon('back'), mark()),
+          element(
+            'div',
+            {class: 'place-text'},
+            element('h1', {text: texture.title}),
+            element('p', {text: [kind_name(texture.kind), `${side}² texels`].filter(Boolean).join(' · ')}),
+          ),
+        ),
+        element(
+          'div',
+          {class: 'panel tools', role: 'toolbar', 'aria-label': 'Tools'},
+          this.go_to.element,
+          this.grid_button,
+          this.menu.element,
+          icon_button('Copy a link to this view (C)', 'link', () => this.#copy_link()),
+          icon_button('Full screen (F)', 'fullscreen', () => this.#toggle_fullscreen()),
+          icon_button('Help (H)', 'help', this.page.help),
+        ),
+      ),
+      this.rail.element,
+      element(
+        'div',
+        {class: 'lower'},
+        element('div', {class: 'above-read-out'}, this.scale_bar.element, texture.attribution && element('p', {class: 'attribution', text: texture.attribution})),
+        this.read_out.element,
+      ),
+    );
+  }
+
+  #listen() {
+    const until = {signal: this.#closed.signal};
+    this.#ledger.addEventListener('change', () => this.#refresh_soon(true), until);
+    connection.addEventListener('up', () => {
+      this.#retry();
+      this.page.stale();
+    }, until);
+    this.canvas.addEventListener('pointerleave', () => {
+      this.#pointer = null;
+      this.#refresh_soon();
+    }, until);
+    this.canvas.addEventListener('pointerdown', () => this.menu.close(), until);
+    watch_cache(this.#ledger, this.#closed.signal);
+    const move = (/** @type {number} */ x, /** @type {number} */ y) => (/** @type {KeyboardEvent} */ event) => this.#move(x, y, event.shiftKey);
+    listen_to_keys(
+      {
+        ArrowLeft: move(-1, 0),
+        ArrowRight: move(1, 0),
+        ArrowUp: move(0, -1),
+        ArrowDown: move(0, 1),
+        '+': () => this.#step(-1),
+        '=': () => this.#step(-1),
+        '-': () => this.#step(1),
+        0: () => this.#fit(),
+        c: () => this.#copy_link(),
+        f: () => this.#toggle_fullscreen(),
+        g: () => this.#toggle_grid(),
+        h: this.page.help,
+        '?': this.page.help,
+        l: this.page.leave,
+        s: () => {
+          this.#set_option('texels', this.options.texels === 'crisp' ? 'smooth' : 'crisp');
+          this.page.moved(this.#hash(), false);
+          this.page.say(`Magnified texels: ${choices.texels.values[this.options.texels].toLowerCase()}`);
+        },
+        t: () => this.go_to.focus(),
+        '/': () => this.go_to.focus(),
+      },
+      this.#closed.signal,
+    );
+  }
+
+  #after_frame(/** @type {any} */ frame_state) {
+    this.#refresh_soon();
+    clearTimeout(this.#settle);
+    const keep = () => {
+      this.#source.keep_to(frame_state);
+      if (this.#ledger.loading > 0) this.#settle = setTimeout(keep, 250);
+    };
+    this.#settle = setTimeout(keep, 30);
+  }
+
+  /** Brings the bars up to date, once a frame; and the grid, when a page's state changed. */
+  #refresh_soon(pages_changed = false) {
+    if (pages_changed && this.#grid.shown) this.#grid.changed();
+    if (this.#frame) return;
+    this.#frame = requestAnimationFrame(() => {
+      this.#frame = 0;
+      const resolution = this.#view.getResolution() ?? 1;
+      const [x, y] = this.#view.getCenter() ?? [0, 0];
+      const level = this.#level_shown(resolution);
+      this.read_out.show({texture: this.texture, resolution, level, texel: this.#pointer ?? {x, y: -y}, ledger: this.#ledger});
+      this.scale_bar.show(resolution);
+      this.rail.show(Math.log2(resolution));
+      this.element.dataset.loading = String(this.#ledger.loading);
+    });
+  }
+
+  #hash() {
+    const [x, y] = this.#view.getCenter() ?? [0, 0];
+    const options = Object.fromEntries(Object.entries(this.options).filter(([name, value]) => value !== choices[name].default));
+    if (this.#grid.shown) options.grid = '1';
+    return format_address({
+      scene: this.texture.id,
+      view: {level: Math.log2(this.#view.getResolution() ?? 1), x, y: -y},
+      options,
+    });
+  }
+
+  /** @param {string} name @param {string} value */
+  #set_option(name, value) {
+    if (this.options[name] === value) return;
+    this.options[name] = value;
+    this.menu.check(name, value);
+    if (name === 'texels') this.#source.set_smooth(value === 'smooth');
+    else this.#source.set_request(this.#request());
+    this.#map.render();
+  }
+
+  #retry() {
+    this.#source.retry();
+    this.#map.render();
+  }
+
+  /** @param {boolean} shown */
+  #set_grid(shown) {
+    this.#grid.shown = shown;
+    this.grid_button.setAttribute('aria-pressed', String(shown));
+    this.#grid.changed();
+  }
+
+  #toggle_grid() {
+    this.#set_grid(!this.#grid.shown);
+    this.page.moved(this.#hash(), false);
+  }
+
+  /** @param {any} target What the view is to become: resolution, center. */
+  #animate(target) {
+    this.#view.cancelAnimations();
+    this.#view.animate({...target, duration: calm.matches ? 0 : 220});
+  }
+
+  /** An eighth of the view, or with Shift all of it. @param {number} x @param {number} y @param {boolean} far */
+  #move(x, y, far) {
+    const resolution = this.#view.getResolution() ?? 1;
+    const [width, height] = this.#map.getSize() ?? [0, 0];
+    const [at_x, at_y] = this.#view.getCenter() ?? [0, 0];
+    const share = far ? 1 : 0.125;
+    this.#animate({center: [at_x + x * Math.round(width * share) * resolution, at_y - y * Math.round(height * share) * resolution]});
+  }
+
+  /** To the next whole level: from 2.4, one step closer is 2. @param {number} levels Negative is closer. */
+  #step(levels) {
+    const {finest, coarsest} = level_range(this.texture);
+    const level = this.#zooming_to ?? Math.log2(this.#view.getResolution() ?? 1);
+    const next = levels < 0 ? Math.ceil(level - 0.01) - 1 : Math.floor(level + 0.01) + 1;
+    const goal = Math.min(coarsest, Math.max(finest, next));
+    this.#zooming_to = goal;
+    this.#view.cancelAnimations();
+    this.#view.animate({resolution: 2 ** goal, duration: calm.matches ? 0 : 220}, () => {
+      if (this.#zooming_to === goal) this.#zooming_to = null;
+    });
+  }
+
+  #fit() {
+    const [width, height] = this.#map.getSize() ?? [256, 256];
+    const side = this.texture.side_texels;
+    const resolution = Math.min(2 ** this.texture.coarsest_level, (side / Math.max(64, Math.min(width, height))) * 1.06);
+    this.#animate({resolution, center: [side / 2, -side / 2]});
+  }
+
+  /** @param {{x: number, y: number, level: number | null}} place */
+  #go_to({x, y, level}) {
+    const {side_texels, coarsest_level} = this.texture;
+    if (!this.texture.contains({x, y})) return `Texels of this scene are 0 to ${with_separators(side_texels - 1)}.`;
+    if (level !== null && level > coarsest_level) return `Levels of this scene are 0 to ${coarsest_level}.`;
+    this.page.moved(this.#hash(), true);
+    this.#view.cancelAnimations();
+    if (level !== null) this.#view.setResolution(2 ** level);
+    this.#view.setCenter([x, -y]);
+    this.canvas.focus();
+    return null;
+  }
+
+  async #copy_link() {
+    const address = new URL(this.#hash(), location.href).href;
+    try {
+      await navigator.clipboard.writeText(address);
+      this.page.say('Link to this view copied');
+    } catch {
+      this.page.say('The browser did not allow copying: the address bar holds the link');
+    }
+  }
+
+  async #toggle_fullscreen() {
+    try {
+      await (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen());
+    } catch {
+      this.page.say('The browser did not allow full screen');
+    }
+  }
+}
+
+/**
+ * Tells pages that the browser took out of its own cache (nothing was transferred) from those the server answered.
+ * @param {PageLedger} ledger @param {AbortSignal} until
+ */
+function watch_cache(ledger, until) {
+  const observer = new PerformanceObserver((list) => {
+    for (const entry of /** @type {PerformanceResourceTiming[]} */ (list.getEntries())) {
+      if (entry.transferSize === 0 && entry.decodedBodySize > 0) ledger.came_from_cache(entry.name);
+    }
+  });
+  observer.observe({type: 'resource', buffered: false});
+  until.addEventListener('abort', () => observer.disconnect());
+}
