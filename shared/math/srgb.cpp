@@ -17,4 +17,6 @@ const std::array<std::uint8_t, 65536>& steps_to_srgb() noexcept {
     return table;
 }
 
+const std::uint8_t* steps_to_srgb_codes() noexcept { return steps_to_srgb().data(); }
+
 }  // namespace tessera

@@ -1,0 +1,75 @@
+#include "server/texture/typed_quadtree.h"
+
+#include <utility>
+
+#include "shared/math/hash.h"
+
+namespace tessera {
+
+TypedQuadtree::TypedQuadtree(std::uint64_t seed, std::uint32_t types) : seed_{seed}, types_{types} {
+    std::vector<std::uint16_t> deck(std::size_t{types} * 4);
+    children_.resize(std::size_t{types} * root_height);
+    for (int height = 1; height <= root_height; ++height) {
+        // Shuffle a deck that holds every type four times (Fisher and Yates)
+        const std::uint64_t key = stream("typed quadtree", static_cast<std::uint64_t>(height));
+        for (std::size_t i = 0; i < deck.size(); ++i) {
+            const std::uint32_t j = uniform_below(hash(seed, key, static_cast<std::int64_t>(i), 0),
+                                                  static_cast<std::uint32_t>(i) + 1);
+            deck[i] = deck[j];
+            deck[j] = static_cast<std::uint16_t>(i / 4);
+        }
+        for (std::size_t type = 0; type < types; ++type)
+            for (std::size_t child = 0; child < 4; ++child)
+                children_[static_cast<std::size_t>(height - 1) * types + type][child] =
+                    deck[type * 4 + child];
+    }
+}
+
+TypeGrid TypedQuadtree::types_of(int height, std::int64_t x, std::int64_t y, std::int32_t width,
+                                 std::int32_t height_nodes) const {
+    // The nodes over the rectangle at each height, from the roots down
+    const auto rectangle_at = [&](int at_height) {
+        const int up = at_height - height;
+        TypeGrid grid;
+        grid.x = x >> up;  // arithmetic: rounds towards −∞, as a lattice needs
+        grid.y = y >> up;
+        grid.width = static_cast<std::int32_t>(((x + width - 1) >> up) - grid.x + 1);
+        grid.height = static_cast<std::int32_t>(((y + height_nodes - 1) >> up) - grid.y + 1);
+        return grid;
+    };
+
+    TypeGrid grid = rectangle_at(root_height);
+    for (std::int64_t row = 0; row < grid.height; ++row)
+        for (std::int64_t column = 0; column < grid.width; ++column)
+            grid.types.push_back(static_cast<std::uint16_t>(uniform_below(
+                hash(seed_, stream("typed quadtree roots"), grid.x + column, grid.y + row), types_)));
+
+    for (int at_height = root_height; at_height > height; --at_height) {
+        // Keep the parents of what is needed below, and write whole families: a node more on a side does no
+        // harm
+        const TypeGrid needed = rectangle_at(at_height - 1);
+        TypeGrid below;
+        below.x = needed.x & ~std::int64_t{1};
+        below.y = needed.y & ~std::int64_t{1};
+        below.width = static_cast<std::int32_t>(((needed.x + needed.width - 1) | 1) - below.x + 1);
+        below.height = static_cast<std::int32_t>(((needed.y + needed.height - 1) | 1) - below.y + 1);
+        below.types.resize(std::size_t(below.width) * std::size_t(below.height));
+        const auto* families = &children_[static_cast<std::size_t>(at_height - 1) * types_];
+        for (std::int32_t row = 0; row < below.height; row += 2) {
+            const std::uint16_t* parents = grid.row((below.y + row) >> 1) + ((below.x >> 1) - grid.x);
+            std::uint16_t* upper = below.types.data() + std::ptrdiff_t(row) * below.width;
+            std::uint16_t* lower = upper + below.width;
+            for (std::int32_t column = 0; column < below.width; column += 2) {
+                const auto& family = families[parents[column >> 1]];
+                upper[column] = family[0];
+                upper[column + 1] = family[1];
+                lower[column] = family[2];
+                lower[column + 1] = family[3];
+            }
+        }
+        grid = std::move(below);
+    }
+    return grid;
+}
+
+}  // namespace tessera

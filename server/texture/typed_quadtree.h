@@ -1,0 +1,63 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace tessera {
+
+/// Types of a rectangle of nodes of one height, rows from the top.
+struct TypeGrid {
+    std::int64_t x = 0;  ///< The first column's and row's node coordinates.
+    std::int64_t y = 0;
+    std::int32_t width = 0;
+    std::int32_t height = 0;
+    std::vector<std::uint16_t> types;
+
+    const std::uint16_t* row(std::int64_t node_y) const noexcept {
+        return types.data() + (node_y - y) * width;
+    }
+    std::uint16_t at(std::int64_t node_x, std::int64_t node_y) const noexcept {
+        return row(node_y)[node_x - x];
+    }
+};
+
+/// The typed quadtree of DESIGN section 2 over the infinite lattice of choosing units. A node of height h
+/// covers 2^h × 2^h units and has one of T types; height and type decide the types of its four children, so
+/// that all that lies under a node is a function of (height, type) and can be tabulated once.
+///
+/// Departure from DESIGN, which hashes a child's type: for each height the 4T children are a shuffled deck
+/// that holds every type exactly four times. All types are then equally frequent at every height, and a
+/// table's mean over its types is the texture's mean with no sampling error. Integers only; random access; no
+/// state.
+class TypedQuadtree {
+  public:
+    /// Roots lie above any extent: 2^36 units of at least 16 texels are 2^40 texels. Beyond, roots are
+    /// hashed.
+    static constexpr int root_height = 36;
+
+    /// `types`: T, a power of two from 64 to 16384.
+    TypedQuadtree(std::uint64_t seed, std::uint32_t types);
+
+    std::uint32_t types() const noexcept { return types_; }
+
+    /// Types of the children of a node of `height` (1 to root_height): top-left, top-right, bottom-left,
+    /// bottom-right.
+    const std::array<std::uint16_t, 4>& children(int height, std::uint16_t type) const noexcept {
+        return children_[static_cast<std::size_t>(height - 1) * types_ + type];
+    }
+
+    /// The types of at least the nodes [x, x + width) × [y, y + height_nodes) of `height` (0 to root_height);
+    /// the grid may be a node larger on each side. Walks the tree once: about 4/3 look-ups a node.
+    TypeGrid types_of(int height, std::int64_t x, std::int64_t y, std::int32_t width,
+                      std::int32_t height_nodes) const;
+
+    std::size_t memory_bytes() const noexcept { return children_.size() * sizeof children_[0]; }
+
+  private:
+    std::uint64_t seed_;
+    std::uint32_t types_;
+    std::vector<std::array<std::uint16_t, 4>> children_;  ///< [height − 1][type]
+};
+
+}  // namespace tessera

@@ -1,0 +1,379 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <set>
+#include <thread>
+#include <tuple>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/texture/content_exchange.h"
+#include "server/texture/kernels.h"
+#include "server/texture/typed_quadtree.h"
+#include "server/texture/variants.h"
+#include "shared/math/hash.h"
+#include "shared/math/srgb.h"
+#include "tests/support/synthetic_asset.h"
+
+namespace tessera {
+namespace {
+
+using tests::make_synthetic_asset;
+
+LinearImage linear(const Texture& texture, const TexelRegion& region, Accuracy accuracy = Accuracy::exact) {
+    LinearImage image;
+    EXPECT_TRUE(texture.evaluate(region, Budget{.accuracy = accuracy}, image).has_value());
+    return image;
+}
+
+Rgba8Image codes(const Texture& texture, const TexelRegion& region) {
+    Rgba8Image image;
+    EXPECT_TRUE(texture.evaluate(region, Budget{.accuracy = Accuracy::exact}, image).has_value());
+    return image;
+}
+
+/// The four texels below each texel, averaged.
+TexelRegion below(const TexelRegion& region) {
+    return {static_cast<std::uint8_t>(region.level - 1), region.x * 2, region.y * 2, region.width * 2,
+            region.height * 2};
+}
+
+struct Difference {
+    double worst = 0;
+    double mean = 0;  ///< Signed: a bias.
+};
+
+/// In codes of linear light.
+Difference against_children(const Texture& texture, const TexelRegion& region) {
+    const LinearImage page = linear(texture, region), children = linear(texture, below(region));
+    Difference difference;
+    for (std::int32_t y = 0; y < region.height; ++y)
+        for (std::int32_t x = 0; x < region.width; ++x)
+            for (std::int32_t c = 0; c < 4; ++c) {
+                const double reduced =
+                    0.25 * (double{children.row(2 * y)[8 * x + c]} + children.row(2 * y)[8 * x + 4 + c] +
+                            children.row(2 * y + 1)[8 * x + c] + children.row(2 * y + 1)[8 * x + 4 + c]);
+                const double d = (page.row(y)[4 * x + c] - reduced) / code_in_linear;
+                difference.worst = std::max(difference.worst, std::abs(d));
+                difference.mean += d / (4.0 * region.width * region.height);
+            }
+    return difference;
+}
+
+/// The same on what is sent: 8-bit codes, children decoded, averaged in linear light and encoded again.
+double encoded_against_children(const Texture& texture, const TexelRegion& region) {
+    const Rgba8Image page = codes(texture, region), children = codes(texture, below(region));
+    double worst = 0;
+    for (std::int32_t y = 0; y < region.height; ++y)
+        for (std::int32_t x = 0; x < region.width; ++x)
+            for (std::int32_t c = 0; c < 3; ++c) {
+                const auto step = [&](std::int32_t dx, std::int32_t dy) {
+                    return double{from_srgb(children.row(2 * y + dy)[8 * x + 4 * dx + c])};
+                };
+                const double mean = 0.25 * (step(0, 0) + step(1, 0) + step(0, 1) + step(1, 1));
+                // As a real-valued code, so that the rounding counted is the children's and the page's
+                const std::uint8_t code = page.row(y)[4 * x + c];
+                double real_code = 0;
+                for (int k = 0; k < 255; ++k)
+                    if (mean >= from_srgb(static_cast<std::uint8_t>(k)))
+                        real_code = k + std::min(1.0, (mean - from_srgb(static_cast<std::uint8_t>(k))) /
+                                                          (from_srgb(static_cast<std::uint8_t>(k + 1)) -
+                                                           from_srgb(static_cast<std::uint8_t>(k))));
+                worst = std::max(worst, std::abs(code - real_code));
+            }
+    return worst;
+}
+
+/// Where an evaluator might go wrong: at the origin, across it, and far out, also beyond the largest extent.
+std::vector<std::pair<std::int64_t, std::int64_t>> places(std::uint8_t level) {
+    const std::int64_t far = std::int64_t{1} << (38 - level);
+    return {
+        {0, 0}, {-13, -7}, {1234567 >> level, 7654321 >> level}, {far - 9, far / 2 - 11}, {-far, far + 5}};
+}
+
+struct Case {
+    std::string name;
+    tests::SyntheticAssetOptions asset;
+    ContentExchangeOptions options;
+};
+
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+
+class ContentExchangeLaws : public testing::TestWithParam<Case> {
+  protected:
+    const ContentExchangeAsset asset_ = make_synthetic_asset(GetParam().asset);
+    const std::shared_ptr<const Texture> texture_ = make_content_exchange_texture(asset_, GetParam().options);
+};
+
+TEST_P(ContentExchangeLaws, APageIsTheReductionOfItsChildren) {
+    const bool typed = GetParam().options.choice == Choice::typed;
+    const int tile_level = static_cast<int>(std::log2(asset_.tile_side));
+    // Independent choices are exact as far as they are enumerated
+    const int top = typed ? 30 : tile_level + 3;
+    for (std::uint8_t level = 1; level <= top; ++level)
+        for (const auto& [x, y] : places(level)) {
+            SCOPED_TRACE(testing::Message() << "level " << int{level} << " at " << x << ", " << y);
+            const std::int32_t side = level > tile_level && !typed ? 8 : 40;
+            const Difference difference = against_children(*texture_, {level, x, y, side, side - 3});
+            EXPECT_LT(difference.worst, 0.02);
+            EXPECT_LT(std::abs(difference.mean), 0.02);
+            EXPECT_LT(encoded_against_children(*texture_, {level, x, y, 8, 8}), 1.1);
+        }
+}
+
+TEST_P(ContentExchangeLaws, AnyWindowOnALevelShowsTheSameTexels) {
+    for (const std::uint8_t level : std::initializer_list<std::uint8_t>{0, 1, 3, 5, 6, 7, 8, 12}) {
+        if (GetParam().options.choice == Choice::independent && level > 8) continue;
+        const TexelRegion whole{level, -37, 21, 90, 70}, window{level, -5, 40, 33, 29};
+        const Rgba8Image a = codes(*texture_, whole), b = codes(*texture_, window);
+        for (std::int32_t y = 0; y < window.height; ++y)
+            ASSERT_TRUE(std::equal(
+                b.row(y), b.row(y) + window.width * 4,
+                a.row(y + static_cast<std::int32_t>(window.y - whole.y)) + (window.x - whole.x) * 4))
+                << "level " << int{level} << " row " << y;
+    }
+}
+
+TEST_P(ContentExchangeLaws, ManyThreadsGiveTheBytesOfOne) {
+    const TexelRegion region{2, 100, -900, 128, 128};
+    const Rgba8Image alone = codes(*texture_, region);
+    std::vector<Rgba8Image> images(8);
+    {
+        std::vector<std::jthread> threads;
+        for (Rgba8Image& image : images)
+            threads.emplace_back([&] { (void)texture_->evaluate(region, Budget{}, image); });
+    }
+    for (const Rgba8Image& image : images) EXPECT_EQ(image, alone);
+}
+
+TEST_P(ContentExchangeLaws, CodesAreTheEncodedLinearTexels) {
+    for (const std::uint8_t level : std::initializer_list<std::uint8_t>{0, 2, 6}) {
+        const TexelRegion region{level, 7, 9, 64, 64};
+        const Rgba8Image sent = codes(*texture_, region);
+        Rgba8Image encoded;
+        encode(linear(*texture_, region), encoded);
+        for (std::size_t i = 0; i < sent.bytes.size(); ++i)
+            ASSERT_NEAR(sent.bytes[i], encoded.bytes[i], 1) << i;
+        const auto different = [&] {
+            std::size_t count = 0;
+            for (std::size_t i = 0; i < sent.bytes.size(); ++i) count += sent.bytes[i] != encoded.bytes[i];
+            return count;
+        }();
+        EXPECT_LT(different, sent.bytes.size() / 500);
+    }
+}
+
+TEST_P(ContentExchangeLaws, AConstantExemplarStaysConstantToTheLastBit) {
+    for (const int code : {1, 93, 200, 255}) {
+        auto made = GetParam().asset;
+        made.constant_code = code;
+        const auto texture = make_content_exchange_texture(make_synthetic_asset(made), GetParam().options);
+        const float expected = linear(*texture, {0, 0, 0, 1, 1}).values[0];
+        EXPECT_EQ(expected, from_srgb(static_cast<std::uint8_t>(code)));
+        for (std::uint8_t level = 0; level <= 30; ++level)
+            for (const auto& [x, y] : places(level)) {
+                const TexelRegion region{level, x, y, 24, 24};
+                const LinearImage values = linear(*texture, region, Accuracy::high);
+                for (std::size_t i = 0; i < values.values.size(); ++i)
+                    ASSERT_EQ(values.values[i], i % 4 == 3 ? 1.0F : expected) << "level " << int{level};
+                const Rgba8Image sent = codes(*texture, {level, x, y, 5, 5});
+                for (std::size_t i = 0; i < sent.bytes.size(); ++i)
+                    ASSERT_EQ(sent.bytes[i], i % 4 == 3 ? 255 : code) << "level " << int{level};
+            }
+    }
+}
+
+std::vector<Case> cases() {
+    using O = ContentExchangeOptions;
+    return {
+        {"typed", {}, O{.seed = 3}},
+        {"typed_unblended", {}, O{.seed = 3, .blended = false}},
+        {"typed_many_patches",
+         {.tile_side = 128, .patches = 100, .contents = 3, .blend_texels = 6},
+         O{.types = 256}},
+        {"typed_small_tile", {.tile_side = 16, .patches = 4, .blend_texels = 2}, O{.seed = 9, .types = 64}},
+        {"independent", {}, O{.seed = 5, .choice = Choice::independent}},
+        {"independent_unblended", {}, O{.seed = 5, .choice = Choice::independent, .blended = false}},
+    };
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ContentExchangeLaws, testing::ValuesIn(cases()),
+                         [](const auto& test) { return test.param.name; });
+
+/// Lutz et al. 2019, equation (1) with the blending of section 4.5, one texel at a time and from the asset
+/// alone: the readable reference. Level 0.
+std::array<double, 3> reference_texel(const ContentExchangeAsset& asset, const TypedQuadtree& tree,
+                                      const Variants& variants, std::int64_t x, std::int64_t y,
+                                      std::int32_t radius) {
+    const std::int64_t side = asset.tile_side;
+    const auto floor_mod = [&](std::int64_t a) { return ((a % side) + side) % side; };
+    // How often each patch occurs in the window around the texel
+    std::vector<int> counts(asset.patches.size());
+    for (std::int64_t dy = -radius; dy <= radius; ++dy)
+        for (std::int64_t dx = -radius; dx <= radius; ++dx)
+            ++counts[asset.labels[static_cast<std::size_t>(floor_mod(y + dy) * side + floor_mod(x + dx))]];
+    std::array<double, 3> sum{};
+    for (std::size_t p = 0; p < counts.size(); ++p) {
+        if (counts[p] == 0) continue;
+        // The occurrence of the patch that covers (x, y): its grown origin lies in [x − width, x]
+        const auto& patch = asset.patches[p];
+        const std::int64_t in_x = floor_mod(x - patch.x + radius), in_y = floor_mod(y - patch.y + radius);
+        const std::int64_t origin_x = x - in_x, origin_y = y - in_y;
+        const std::int64_t tile_x = (origin_x - floor_mod(origin_x)) / side,
+                           tile_y = (origin_y - floor_mod(origin_y)) / side;
+        const std::uint16_t type = tree.types_of(0, tile_x, tile_y, 1, 1).at(tile_x, tile_y);
+        const std::uint8_t content = variants.contents(type)[p];
+        const Rgb8Image& image = content == 0 ? asset.tile : asset.exemplar;
+        const std::int64_t from_x =
+            content == 0 ? floor_mod(x) : patch.contents[content - 1u].x - radius + in_x;
+        const std::int64_t from_y =
+            content == 0 ? floor_mod(y) : patch.contents[content - 1u].y - radius + in_y;
+        for (std::size_t c = 0; c < 3; ++c)
+            sum[c] +=
+                counts[p] / double((2 * radius + 1) * (2 * radius + 1)) *
+                srgb_to_steps[image.bytes[static_cast<std::size_t>(from_y * image.width + from_x) * 3 + c]] /
+                65535.0;
+    }
+    return sum;
+}
+
+TEST(ContentExchange, AgreesWithTheReadableReferenceAtLevel0) {
+    const ContentExchangeAsset asset = make_synthetic_asset({});
+    const ContentExchangeOptions options{.seed = 77};
+    const auto texture = make_content_exchange_texture(asset, options);
+    const TypedQuadtree tree{options.seed, options.types};
+    const std::int32_t radius = asset.blend_texels / 2;
+    const Variants variants{options.seed, options.types, ExemplarTexels{asset, radius}};
+    const TexelRegion region{0, -70, 1000, 140, 100};
+    const LinearImage page = linear(*texture, region);
+    for (std::int32_t y = 0; y < region.height; ++y)
+        for (std::int32_t x = 0; x < region.width; ++x) {
+            const auto expected = reference_texel(asset, tree, variants, region.x + x, region.y + y, radius);
+            for (std::size_t c = 0; c < 3; ++c)
+                ASSERT_NEAR(page.row(y)[4 * x + std::int32_t(c)], expected[c], 0.01 * code_in_linear)
+                    << x << ", " << y;
+        }
+}
+
+TEST(ContentExchange, ShowsOnlyColoursOfTheExemplarWhereItDoesNotBlend) {
+    const ContentExchangeAsset asset = make_synthetic_asset({});
+    const auto texture = make_content_exchange_texture(asset, {.blended = false});
+    std::set<std::tuple<int, int, int>> colours;
+    for (const Rgb8Image* image : {&asset.exemplar, &asset.tile})
+        for (std::size_t i = 0; i < image->bytes.size(); i += 3)
+            colours.emplace(image->bytes[i], image->bytes[i + 1], image->bytes[i + 2]);
+    const Rgba8Image page = codes(*texture, {0, -300, 500, 256, 256});
+    for (std::size_t i = 0; i < page.bytes.size(); i += 4)
+        ASSERT_TRUE(colours.contains({page.bytes[i], page.bytes[i + 1], page.bytes[i + 2]}));
+}
+
+TEST(ContentExchange, NeverRepeatsItsChoiceOfContentsWithAPeriod) {
+    const std::uint32_t types = 4096;
+    const TypedQuadtree tree{1, types};
+    const std::int32_t side = 256;
+    const TypeGrid grid = tree.types_of(0, -side / 2, -side / 2, 2 * side, 2 * side);
+    // For every displacement of up to 128 tiles: how many of 4096 tiles have the type of the one so far away
+    int total = 0, displacements = 0;
+    for (std::int64_t dy = 0; dy <= 128; ++dy)
+        for (std::int64_t dx = dy == 0 ? 1 : -64; dx <= 64; ++dx) {
+            int equal = 0;
+            for (std::int64_t y = 0; y < 64; ++y)
+                for (std::int64_t x = 0; x < 64; ++x) equal += grid.at(x, y) == grid.at(x + dx, y + dy);
+            // One is expected, a period would give 4096. Two equal nodes of height h give 4^h: up to 4 is
+            // common.
+            ASSERT_LT(equal, 1024) << dx << ", " << dy;
+            total += equal;
+            ++displacements;
+        }
+    EXPECT_NEAR(double(total) / displacements, 1.0, 0.1);
+}
+
+TEST(ContentExchange, UsesEveryContentEquallyOften) {
+    const ContentExchangeAsset asset = make_synthetic_asset({.contents = 6});
+    const Variants variants{5, 4096, ExemplarTexels{asset, 2}};
+    for (std::size_t p = 0; p < asset.patches.size(); ++p) {
+        std::vector<int> counts(6);
+        for (std::uint32_t type = 0; type < 4096; ++type)
+            ++counts[variants.contents(static_cast<std::uint16_t>(type))[p]];
+        EXPECT_LE(
+            *std::max_element(counts.begin(), counts.end()) - *std::min_element(counts.begin(), counts.end()),
+            1);
+    }
+}
+
+TEST(ContentExchange, PatchesOfATileChooseIndependently) {
+    // The flaw of the authors' own library: one draw for all patches of a tile
+    const ContentExchangeAsset asset = make_synthetic_asset({.contents = 6});
+    const Variants variants{5, 4096, ExemplarTexels{asset, 2}};
+    int equal = 0;
+    for (std::uint32_t type = 0; type < 4096; ++type)
+        equal += variants.contents(static_cast<std::uint16_t>(type))[0] ==
+                 variants.contents(static_cast<std::uint16_t>(type))[1];
+    EXPECT_NEAR(equal, 4096 / 6, 120);  // five standard deviations
+}
+
+TEST(ContentExchange, ATexelFarUpIsWithinTheBoundOfTheExpectation) {
+    const ContentExchangeAsset asset = make_synthetic_asset({});
+    const auto texture = make_content_exchange_texture(asset, {.seed = 4, .choice = Choice::independent});
+    LinearImage expected, enumerated;
+    for (const std::uint8_t level : std::initializer_list<std::uint8_t>{7, 8, 9}) {  // 2, 4, 8 tiles a side
+        const TexelRegion region{level, -20, 8, 32, 32};
+        const auto guess = texture->evaluate(region, Budget{.accuracy = Accuracy::fast}, expected);
+        const auto truth = texture->evaluate(region, Budget{.accuracy = Accuracy::exact}, enumerated);
+        ASSERT_EQ(guess->method, "expectation");
+        ASSERT_EQ(truth->method, "enumeration");
+        double worst = 0;
+        for (std::size_t i = 0; i < expected.values.size(); ++i)
+            worst =
+                std::max(worst, std::abs(double{expected.values[i]} - enumerated.values[i]) / code_in_linear);
+        EXPECT_LE(worst, guess->bound_codes);
+        EXPECT_GT(worst, guess->bound_codes / 40) << "a bound that says nothing";
+    }
+    const auto far = texture->evaluate({24, 0, 0, 4, 4}, Budget{}, expected);
+    EXPECT_LT(far->bound_codes, 0.01);
+}
+
+TEST(ContentExchange, StopsWhenNobodyWaitsOrTimeIsUp) {
+    const auto texture = make_content_exchange_texture(make_synthetic_asset({}), {});
+    std::stop_source source;
+    source.request_stop();
+    LinearImage image;
+    EXPECT_EQ(texture->evaluate({0, 0, 0, 8, 8}, Budget{.cancelled = source.get_token()}, image).error().code,
+              ErrorCode::cancelled);
+    EXPECT_EQ(texture->evaluate({9, 0, 0, 8, 8}, Budget{.deadline = std::chrono::steady_clock::now()}, image)
+                  .error()
+                  .code,
+              ErrorCode::timed_out);
+}
+
+TEST(ContentExchangeGolden, EveryInstructionSetGivesTheSameBytes) {
+    // FNV-1a over one page of each way to evaluate. Raise evaluator_version (server/scene/scene.cpp) when
+    // these change.
+    const auto texture = make_content_exchange_texture(
+        make_synthetic_asset({.tile_side = 128, .patches = 30, .contents = 7, .blend_texels = 8}),
+        {.seed = 2026});
+    const auto hash_of = [&](std::uint8_t level) {
+        const Rgba8Image page = codes(*texture, {level, -300, 77, 264, 264});
+        std::uint64_t h = 0xcbf29ce484222325u;
+        for (const std::uint8_t byte : page.bytes) h = (h ^ byte) * 0x100000001b3u;
+        return h;
+    };
+    if (const char* asked = std::getenv("TESSERA_KERNELS")) {
+        const KernelList list = available_kernels();
+        const bool available = std::any_of(list.items, list.items + list.count,
+                                           [&](const Kernels* k) { return std::string{k->name} == asked; });
+        EXPECT_EQ(available, std::string{kernels().name} == asked);
+        if (!available)
+            std::cout << "This processor lacks " << asked << "; tested " << kernels().name << " instead\n";
+    }
+    const std::map<int, std::uint64_t> golden = {{0, 14801600349105757248u}, {1, 9517467121903911958u},
+                                                 {3, 10094172191185001600u}, {5, 5188439485583337854u},
+                                                 {7, 14700775476625166191u}, {15, 1623675372001488581u}};
+    for (const auto& [level, expected] : golden)
+        EXPECT_EQ(hash_of(static_cast<std::uint8_t>(level)), expected) << "level " << level;
+}
+
+}  // namespace
+}  // namespace tessera
