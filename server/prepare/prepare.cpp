@@ -30,7 +30,7 @@ Result<void> check(const PrepareOptions& options) {
         return invalid("--tile is " + std::to_string(options.tile_side) +
                        "; a power of two, such as 256 or 512");
     if (auto good = check_range("--patches", options.patches, least_patches, 4096); !good) return good;
-    if (auto good = check_range("--contents", options.contents, 1, 1024); !good) return good;
+    if (auto good = check_range("--contents", options.contents, 1, ContentExchangeAsset::max_contents); !good) return good;
     if (auto good = check_range("--blend", options.blend_texels, 0, 64); !good) return good;
     if (options.blend_texels % 2 != 0)
         return invalid("--blend is " + std::to_string(options.blend_texels) + "; an even number of texels");
@@ -54,8 +54,6 @@ Result<PrepareOptions> fitted(const Rgb8Image& photo, PrepareOptions options, Pr
         progress.note("the photograph of " + size + " is too small for a tile of " + std::to_string(asked) +
                       " and its overlap: the tile is " + std::to_string(options.tile_side));
 
-    // A patch is at least as wide as the blending around it, and 4 texels; four by four patches are the
-    // fewest
     const std::int32_t widest_blend = options.tile_side / 4;
     if (options.blend_texels > widest_blend) {
         progress.note("blending over " + std::to_string(options.blend_texels) +
@@ -63,7 +61,8 @@ Result<PrepareOptions> fitted(const Rgb8Image& photo, PrepareOptions options, Pr
                       std::to_string(widest_blend));
         options.blend_texels = widest_blend;
     }
-    const std::int32_t per_side = options.tile_side / std::max(4, options.blend_texels);
+    // A patch three times as wide as its blending shows something of its own; four by four are the fewest
+    const std::int32_t per_side = std::max(4, options.tile_side / std::max(8, 3 * options.blend_texels));
     if (options.patches > per_side * per_side) {
         progress.note("a tile of " + std::to_string(options.tile_side) + " has no room for " +
                       std::to_string(options.patches) + " patches: there are about " +
@@ -74,13 +73,13 @@ Result<PrepareOptions> fitted(const Rgb8Image& photo, PrepareOptions options, Pr
     return options;
 }
 
-Result<void> take_contents(const std::vector<FoundContents>& found, std::int32_t wanted,
+Result<void> take_contents(const std::vector<std::vector<Candidate>>& found, std::int32_t wanted,
                            ContentExchangeAsset& asset, Progress& progress) {
-    std::size_t fewest = found.front().offsets.size(), short_of = 0;
+    std::size_t fewest = found.front().size(), short_of = 0;
     for (std::size_t p = 0; p < found.size(); ++p) {
-        asset.patches[p].contents = found[p].offsets;
-        fewest = std::min(fewest, found[p].offsets.size());
-        short_of += found[p].offsets.size() < static_cast<std::size_t>(wanted) ? 1 : 0;
+        for (const Candidate& content : found[p]) asset.patches[p].contents.push_back(content.at);
+        fewest = std::min(fewest, found[p].size());
+        short_of += found[p].size() < static_cast<std::size_t>(wanted) ? 1 : 0;
     }
     if (fewest == 0)
         return invalid(
@@ -119,7 +118,7 @@ Result<ContentExchangeAsset> prepare_content_exchange(const Rgb8Image& photo, co
     if (progress.stop().stop_requested()) return stopped;
 
     // Find what else of the photograph each patch may show
-    const std::vector<FoundContents> found =
+    const std::vector<std::vector<Candidate>> found =
         find_contents(colors, tile_colors, tile, segmentation,
                       {options->contents, options->blend_texels, options->threads}, progress);
     if (progress.stop().stop_requested()) return stopped;

@@ -13,7 +13,7 @@ struct PrepareOptions {
         512;  ///< A power of two, 16 to 4096. Too small repeats; too large leaves no choice.
     std::int32_t patches = 64;  ///< 16 to 4096. Few keep large objects whole; many vary more.
     std::int32_t contents =
-        24;  ///< For each patch beside its own, 1 to 1024. Many vary more and fit less well.
+        24;  ///< For each patch beside its own, 1 to 255. Many vary more and fit less well.
     std::int32_t blend_texels = 8;  ///< Even, 0 to 64. Too little shows borders; too much blurs along them.
     std::uint64_t seed = 1;         ///< Another seed, other patches.
     std::size_t threads = 0;        ///< 0: one for each processor. Changes nothing but the time.

@@ -67,6 +67,10 @@ Result<ContentExchangeAsset::Patch> to_patch(const fs::path& json, const std::st
     patch.width = *width;
     patch.height = *height;
 
+    if (message.contents_size() > ContentExchangeAsset::max_contents)
+        return invalid(json, name + ".contents: has " + std::to_string(message.contents_size()) + "; at most " +
+                                 std::to_string(ContentExchangeAsset::max_contents) + " for each patch");
+
     // The bounding box and half the blending width around it lie inside the exemplar
     const std::int32_t margin = asset.blend_texels / 2;
     for (int i = 0; i < message.contents_size(); ++i) {

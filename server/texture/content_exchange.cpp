@@ -155,7 +155,7 @@ class ContentExchangeTexture final : public Texture {
             if (block.level <= tile_level_) return sum_stamps(block, budget, rows);
             return enumerate_or_expect(block, budget, rows);
         }
-        if (block.level > tile_level_) return look_up_nodes(block, budget, rows);
+        if (block.level >= tile_level_) return look_up_nodes(block, budget, rows);
         if (map_.levels()[std::size_t(block.level)].side <= variant_image_side)
             return sum_variants(block, budget, rows);
         return sum_stamps(block, budget, rows);

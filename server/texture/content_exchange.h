@@ -18,6 +18,8 @@ struct Rgb8Image {
 /// What content exchange is made of, in memory: proto/asset.proto says what each part means, and
 /// read_content_exchange_asset() has checked it.
 struct ContentExchangeAsset {
+    static constexpr int max_contents = 255;  ///< Of a patch, beside its own: a content's number fits a byte.
+
     struct Offset {
         std::int32_t x = 0, y = 0;  ///< The exemplar texel that lies on the patch's origin.
     };
