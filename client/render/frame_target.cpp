@@ -1,0 +1,38 @@
+#include "client/render/frame_target.h"
+
+#include <algorithm>
+
+namespace tessera {
+
+FrameTarget::FrameTarget(int width, int height) : width_{width}, height_{height} {
+    GLuint name = 0;
+    glCreateTextures(GL_TEXTURE_2D, 1, &name);
+    colour_ = GlTexture{name};
+    glTextureStorage2D(name, 1, GL_RGBA8, width, height);
+    glCreateFramebuffers(1, &name);
+    framebuffer_ = GlFramebuffer{name};
+    glNamedFramebufferTexture(name, GL_COLOR_ATTACHMENT0, colour_.name(), 0);
+}
+
+void FrameTarget::bind() const {
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
+    glViewport(0, 0, width_, height_);
+}
+
+void FrameTarget::blit_to_window() const {
+    glBlitNamedFramebuffer(framebuffer_.name(), 0, 0, 0, width_, height_, 0, 0, width_, height_,
+                           GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
+Rgba8Image FrameTarget::read() const {
+    Rgba8Image image{width_, height_};
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_.name());
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glReadPixels(0, 0, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE, image.bytes.data());
+    const auto row_bytes = static_cast<std::ptrdiff_t>(width_) * 4;  // GL counts rows from the bottom
+    for (int y = 0; y < height_ / 2; ++y)
+        std::swap_ranges(image.row(y), image.row(y) + row_bytes, image.row(height_ - 1 - y));
+    return image;
+}
+
+}  // namespace tessera

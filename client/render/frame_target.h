@@ -1,0 +1,30 @@
+#pragma once
+
+#include "client/render/gl_objects.h"
+#include "shared/page/texel_image.h"
+
+namespace tessera {
+
+/// What every frame is drawn into, with or without a window: RGBA, 8 bits a channel, coded for display.
+class FrameTarget {
+  public:
+    FrameTarget(int width, int height);
+
+    /// Draws go here from now on.
+    void bind() const;
+    /// Copies the picture to the window's framebuffer, which has the same size.
+    void blit_to_window() const;
+    /// Waits for the picture; rows from the top.
+    Rgba8Image read() const;
+
+    int width() const { return width_; }
+    int height() const { return height_; }
+
+  private:
+    int width_;
+    int height_;
+    GlTexture colour_;
+    GlFramebuffer framebuffer_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+
+#include "client/render/gl_objects.h"
+#include "client/residency/slot.h"
+
+namespace tessera {
+
+/// The texels of the resident pages: an array texture, one layer for each slot. sRGB-coded and premultiplied;
+/// the sampler decodes before it filters.
+class PageStore {
+  public:
+    /// `slots`: 1 to the driver's limit of layers, at least 2048.
+    explicit PageStore(std::size_t slots);
+
+    /// `texels`: slot_bytes, as in SlotUpload.
+    void upload(Slot slot, std::string_view texels);
+
+    /// Decoded to linear light when sampled.
+    GLuint texture() const { return texture_.name(); }
+    /// The same texels as stored codes, 0 to 1, undecoded.
+    GLuint coded_texture() const { return coded_view_.name(); }
+    std::size_t bytes() const;
+
+  private:
+    std::size_t slots_;
+    GlTexture texture_;
+    GlTexture coded_view_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,142 @@
+#include "client/render/plane_renderer.h"
+
+#include <cmath>
+
+#include "plane_frag.h"
+#include "plane_vert.h"
+
+#include "client/render/shader_program.h"
+
+namespace tessera {
+namespace {
+
+/// Of one level: the page that holds the clip centre, and where in that page the centre lies. Positions in
+/// the shader are relative to it, so that floats are exact enough at any place of any extent.
+struct LevelOrigin {
+    std::int32_t page[2];
+    float offset[2];  ///< In texels of the level, 0 to 256.
+};
+
+/// The uniform block `Frame` of shaders/plane.frag, in std140.
+struct FrameBlock {
+    float forward[4];
+    float right[4];  ///< × tangent of half the horizontal field of view
+    float up[4];     ///< × tangent of half the vertical field of view
+    float height;
+    float pixel_step;
+    float across_slope;  ///< Across, −1 to 1, times this is the across · cos pitch of PlaneView::level_at.
+    float lod_bias;
+    float extent_low[2];  ///< The extent's corners relative to the eye
+    float extent_high[2];
+    float picture[2];
+    std::int32_t top_level;
+    std::int32_t window_side;
+    std::int32_t filter;
+    std::uint32_t now_ms;
+    float fade_ms;
+    std::int32_t flags;
+    LevelOrigin origins[max_level + 1];
+};
+static_assert(sizeof(FrameBlock) == 112 + 16 * (max_level + 1));
+
+constexpr std::int32_t flag_haze = 1, flag_page_borders = 2;
+
+void put(float (&target)[4], const Vector3& v, double scale) {
+    target[0] = static_cast<float>(v.x * scale);
+    target[1] = static_cast<float>(v.y * scale);
+    target[2] = static_cast<float>(v.z * scale);
+    target[3] = 0;
+}
+
+LevelOrigin origin_of(const TexelPoint& centre, int level) {
+    const std::int64_t page_side = std::int64_t{page_side_texels} << level;
+    const auto offset = [&](std::int64_t texel, double fraction) {
+        return static_cast<float>((static_cast<double>(texel & (page_side - 1)) + fraction) *
+                                  std::exp2(-level));
+    };
+    return {{static_cast<std::int32_t>(centre.x >> (8 + level)),
+             static_cast<std::int32_t>(centre.y >> (8 + level))},
+            {offset(centre.x, centre.fraction_x), offset(centre.y, centre.fraction_y)}};
+}
+
+FrameBlock block_of(const PlaneView& view, Extent extent, int window_side, const PlaneStyle& style) {
+    FrameBlock block{};
+    const TexelPoint &eye = view.camera().ground, low{},
+                     high{extent.side_texels(), extent.side_texels(), 0, 0};
+    put(block.forward, view.forward(), 1);
+    put(block.right, view.right(), view.tangent_x());
+    put(block.up, view.up(), view.tangent_y());
+    block.height = static_cast<float>(view.camera().height_texels);
+    block.pixel_step = static_cast<float>(view.pixel_step());
+    block.across_slope = static_cast<float>(view.tangent_x() * view.up().z);
+    block.lod_bias = static_cast<float>(style.lod_bias);
+    block.extent_low[0] = static_cast<float>(distance_x(eye, low));
+    block.extent_low[1] = static_cast<float>(distance_y(eye, low));
+    block.extent_high[0] = static_cast<float>(distance_x(eye, high));
+    block.extent_high[1] = static_cast<float>(distance_y(eye, high));
+    block.picture[0] = static_cast<float>(view.width());
+    block.picture[1] = static_cast<float>(view.height());
+    block.top_level = extent.n;
+    block.window_side = window_side;
+    block.filter = static_cast<std::int32_t>(style.filter);
+    block.now_ms = style.now_ms;
+    block.fade_ms = style.fade_ms;
+    block.flags = (style.haze ? flag_haze : 0) | (style.page_borders ? flag_page_borders : 0);
+    for (int level = 0; level <= extent.n; ++level) block.origins[level] = origin_of(eye, level);
+    return block;
+}
+
+GlSampler make_sampler(GLint filter) {
+    GLuint name = 0;
+    glCreateSamplers(1, &name);
+    glSamplerParameteri(name, GL_TEXTURE_MIN_FILTER, filter);
+    glSamplerParameteri(name, GL_TEXTURE_MAG_FILTER, filter);
+    glSamplerParameteri(name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glSamplerParameteri(name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    return GlSampler{name};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<PlaneRenderer>> PlaneRenderer::make(Extent extent) {
+    auto program = make_program(plane_vert_source, plane_frag_source);
+    if (!program) return program.error();
+    return std::unique_ptr<PlaneRenderer>{new PlaneRenderer{extent, std::move(program.value())}};
+}
+
+PlaneRenderer::PlaneRenderer(Extent extent, GlProgram program)
+    : extent_{extent},
+      program_{std::move(program)},
+      linear_{make_sampler(GL_LINEAR)},
+      nearest_{make_sampler(GL_NEAREST)} {
+    GLuint name = 0;
+    glCreateBuffers(1, &name);
+    frame_block_ = GlBuffer{name};
+    glNamedBufferStorage(name, sizeof(FrameBlock), nullptr, GL_DYNAMIC_STORAGE_BIT);
+    glCreateVertexArrays(1, &name);
+    no_vertices_ = GlVertexArray{name};
+}
+
+void PlaneRenderer::draw(const FrameTarget& target, const PlaneView& view, const PageStore& pages,
+                         const PageTableTexture& table, int window_side, const PlaneStyle& style) {
+    const FrameBlock block = block_of(view, extent_, window_side, style);
+    glNamedBufferSubData(frame_block_.name(), 0, sizeof block, &block);
+    target.bind();
+    glDisable(GL_BLEND);
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_CULL_FACE);
+    glDisable(GL_SCISSOR_TEST);
+    glUseProgram(program_.name());
+    glBindBufferBase(GL_UNIFORM_BUFFER, 0, frame_block_.name());
+    glBindTextureUnit(0, pages.texture());
+    glBindSampler(0, linear_.name());
+    glBindTextureUnit(1, pages.coded_texture());
+    glBindSampler(1, nearest_.name());
+    glBindTextureUnit(2, table.texture());
+    glBindSampler(2, nearest_.name());
+    glBindVertexArray(no_vertices_.name());
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    for (GLuint unit = 0; unit < 3; ++unit) glBindSampler(unit, 0);
+}
+
+}  // namespace tessera
