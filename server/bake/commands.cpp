@@ -1,9 +1,175 @@
 #include "server/bake/commands.h"
 
+#include <charconv>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <vector>
+
 #include <CLI/CLI.hpp>
 
-namespace tessera {
+#include "server/bake/bake.h"
+#include "server/pages/page_encoder.h"
+#include "server/prepare/interrupt.h"
+#include "server/prepare/terminal_progress.h"
+#include "server/scene/scene.h"
 
-void add_bake_commands(CLI::App&, int&) {}
+namespace tessera {
+namespace {
+
+struct Arguments {
+    std::string scene;
+    std::string output;
+    std::string region;
+    std::string accuracy = "exact";
+    std::uint32_t level = 0, x = 0, y = 0;
+    std::int32_t gutter = 0;
+    bool quiet = false;
+};
+
+Accuracy accuracy_of(const std::string& name) {
+    return name == "fast" ? Accuracy::fast : name == "high" ? Accuracy::high : Accuracy::exact;
+}
+
+Result<void> write_file(const std::string& file, const std::vector<std::uint8_t>& bytes) {
+    std::ofstream out{file, std::ios::binary | std::ios::trunc};
+    out.write(reinterpret_cast<const char*>(bytes.data()), std::ssize(bytes));
+    out.close();
+    if (!out) return Error{ErrorCode::io_failure, file + ": cannot be written"};
+    return {};
+}
+
+Result<void> run_page(const Arguments& arguments) {
+    const auto dot = arguments.output.rfind('.');
+    const auto format =
+        page_format(dot == std::string::npos ? "" : std::string_view{arguments.output}.substr(dot + 1));
+    if (!format)
+        return Error{ErrorCode::invalid_input, arguments.output + ": end it in .png, .jpg, .webp or .rgba"};
+    const auto scene = load_scene(arguments.scene);
+    if (!scene) return scene.error();
+    const Extent extent = (*scene)->extent;
+    if (arguments.level > extent.n ||
+        !extent.contains({static_cast<std::uint8_t>(arguments.level), arguments.x, arguments.y}))
+        return Error{
+            ErrorCode::no_such_page,
+            arguments.level > extent.n
+                ? "LEVEL is 0 to " + std::to_string(extent.n) + " in this scene"
+                : "X and Y are 0 to " +
+                      std::to_string(extent.side_pages(static_cast<std::uint8_t>(arguments.level)) - 1) +
+                      " on level " + std::to_string(arguments.level)};
+    const PageKey page{static_cast<std::uint8_t>(arguments.level), arguments.x, arguments.y};
+    Rgba8Image texels;
+    const auto evaluation = (*scene)->texture->evaluate(
+        region_of(page, arguments.gutter), Budget{.accuracy = accuracy_of(arguments.accuracy)}, texels);
+    if (!evaluation) return evaluation.error();
+    const auto bytes = encode_page(texels, *format);
+    if (!bytes) return bytes.error();
+    if (auto written = write_file(arguments.output, *bytes); !written) return written;
+    if (!arguments.quiet)
+        std::fprintf(stderr, "%s: level %u page (%u, %u), method %.*s, bound %.4f codes\n",
+                     arguments.output.c_str(), arguments.level, arguments.x, arguments.y,
+                     static_cast<int>(evaluation->method.size()), evaluation->method.data(),
+                     evaluation->bound_codes);
+    return {};
+}
+
+/// "X,Y,W,H"
+Result<TexelRegion> parse_region(const std::string& text, std::uint32_t level) {
+    std::int64_t numbers[4] = {};
+    const char* at = text.data();
+    const char* const end = text.data() + text.size();
+    for (std::size_t i = 0; i < 4; ++i) {
+        const auto [next, failure] = std::from_chars(at, end, numbers[i]);
+        const bool separated = i == 3 ? next == end : next != end && *next == ',';
+        if (failure != std::errc{} || !separated)
+            return Error{
+                ErrorCode::invalid_input,
+                "--region: \"" + text + "\" is not X,Y,W,H in texels of the level, such as 0,0,2048,2048"};
+        at = next + 1;
+    }
+    constexpr std::int64_t farthest = std::int64_t{1} << 40;
+    for (std::size_t i = 0; i < 4; ++i)
+        if (numbers[i] < (i < 2 ? -farthest : 1) || numbers[i] > (i < 2 ? farthest : max_bake_side))
+            return Error{ErrorCode::invalid_input,
+                         "--region: X and Y are within ±2^40, W and H 1 to " + std::to_string(max_bake_side)};
+    if (level > max_level) return Error{ErrorCode::invalid_input, "--level: 0 to 30"};
+    return TexelRegion{static_cast<std::uint8_t>(level), numbers[0], numbers[1],
+                       static_cast<std::int32_t>(numbers[2]), static_cast<std::int32_t>(numbers[3])};
+}
+
+Result<void> run_bake(const Arguments& arguments) {
+    const auto region = parse_region(arguments.region, arguments.level);
+    if (!region) return region.error();
+    const auto scene = load_scene(arguments.scene);
+    if (!scene) return scene.error();
+    const Interrupt interrupt;
+    TerminalProgress progress{{{"baking", 1.0}}, arguments.quiet, interrupt.token()};
+    return bake(*(*scene)->texture, *region,
+                Budget{.accuracy = accuracy_of(arguments.accuracy), .cancelled = interrupt.token()},
+                arguments.output, [&](double done) { progress.advance("baking", done); });
+}
+
+Result<void> run_check(const Arguments& arguments) {
+    const auto scene = load_scene(arguments.scene);
+    if (!scene) return scene.error();
+    const Scene& s = **scene;
+    std::printf("%s: %s\n", s.id.c_str(), s.title.c_str());
+    std::printf("extent: %lld texels a side, levels 0 to %d, fingerprint %s\n",
+                static_cast<long long>(s.extent.side_texels()), int{s.extent.n}, s.fingerprint.c_str());
+    std::string plan = s.texture->description();
+    if (!plan.ends_with('\n')) plan += '\n';
+    std::printf("%s", plan.c_str());
+    std::printf("memory: %.1f MiB\n", double(s.texture->memory_bytes()) / (1 << 20));
+    return {};
+}
+
+void report(std::string_view command, const Result<void>& result, int& exit_code) {
+    exit_code = result ? 0 : 1;
+    if (!result)
+        std::fprintf(stderr, "tessera %.*s: %s\n", static_cast<int>(command.size()), command.data(),
+                     result.error().detail.c_str());
+}
+
+void add_common(CLI::App& command, Arguments& arguments) {
+    command.add_option("SCENE", arguments.scene, "Folder of a scene, with its scene.json")->required();
+}
+
+void add_output(CLI::App& command, Arguments& arguments, const char* help) {
+    command.add_option("-o,--output", arguments.output, help)->required();
+    command.add_option("--accuracy", arguments.accuracy, "How much error is allowed")
+        ->check(CLI::IsMember({"exact", "high", "fast"}))
+        ->capture_default_str();
+    command.add_flag("-q,--quiet", arguments.quiet, "Say nothing but errors");
+}
+
+}  // namespace
+
+void add_bake_commands(CLI::App& app, int& exit_code) {
+    const auto arguments = std::make_shared<Arguments>();
+
+    CLI::App& page = *app.add_subcommand("page", "Writes one page of a scene to a file");
+    add_common(page, *arguments);
+    page.add_option("LEVEL", arguments->level, "MIP level, 0 is the finest")->required();
+    page.add_option("X", arguments->x, "Column of the page on its level")->required();
+    page.add_option("Y", arguments->y, "Row of the page on its level")->required();
+    page.add_option("--gutter", arguments->gutter, "Texels more on each side")
+        ->check(CLI::Range(0, max_gutter_texels))
+        ->capture_default_str();
+    add_output(page, *arguments, "File to write: .png, .jpg, .webp or .rgba");
+    page.callback([arguments, &exit_code] { report("page", run_page(*arguments), exit_code); });
+
+    CLI::App& bake_command =
+        *app.add_subcommand("bake", "Writes a region of a scene to an image file, however large");
+    add_common(bake_command, *arguments);
+    bake_command.add_option("--level", arguments->level, "MIP level, 0 is the finest")->capture_default_str();
+    bake_command.add_option("--region", arguments->region, "X,Y,W,H in texels of the level")->required();
+    add_output(bake_command, *arguments,
+               "File to write: .png, .exr (linear half floats) or .tx (MIP-mapped)");
+    bake_command.callback([arguments, &exit_code] { report("bake", run_bake(*arguments), exit_code); });
+
+    CLI::App& check = *app.add_subcommand("check", "Checks a scene; prints its plan and the memory it takes");
+    add_common(check, *arguments);
+    check.callback([arguments, &exit_code] { report("check", run_check(*arguments), exit_code); });
+}
 
 }  // namespace tessera

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+
+#include "server/texture/texture.h"
+#include "shared/page/page_key.h"
+#include "shared/result/result.h"
+
+namespace tessera {
+
+/// The longest side that `bake` writes: a band of rows of it is held in memory, never the whole.
+inline constexpr std::int64_t max_bake_side = std::int64_t{1} << 18;
+
+/// Writes `region` to a file whose ending names what it holds:
+///   .png  8-bit sRGB, straight alpha
+///   .exr  half floats, linear, premultiplied
+///   .tx   tiled TIFF for renderers, 8-bit sRGB, with every MIP level down to one texel, each evaluated and
+///   not
+///         reduced; the region must be a square of 2^k texels at a multiple of its side
+/// The file appears whole or not at all. `progress` is told the share that is done, 0 to 1.
+/// Errors: invalid_input, io_failure, and the texture's own.
+Result<void> bake(const Texture& texture, const TexelRegion& region, const Budget& budget,
+                  const std::filesystem::path& file, const std::function<void(double)>& progress);
+
+}  // namespace tessera
