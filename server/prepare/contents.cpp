@@ -2,24 +2,17 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cstdlib>
 #include <map>
-#include <tuple>
 
 #include "server/prepare/border_band.h"
+#include "server/prepare/candidates.h"
 #include "server/prepare/parallel.h"
 
 namespace tessera {
 namespace {
 
 using Offset = ContentExchangeAsset::Offset;
-
-struct Candidate {
-    std::uint64_t cost = 0;
-    Offset at;
-    auto key() const { return std::tuple{cost, at.y, at.x}; }
-    bool operator<(const Candidate& other) const { return key() < other.key(); }
-};
+using Box = ContentExchangeAsset::Patch;
 
 /// The photograph at full resolution, halved, and so on.
 using Pyramid = std::map<std::int32_t, PerceptualImage>;
@@ -41,37 +34,18 @@ std::vector<Offset> own_places(const PeriodicTile& tile, const Segmentation& seg
     return places;
 }
 
-bool apart(const Offset& a, const Offset& b, std::int32_t distance) {
-    return std::max(std::abs(a.x - b.x), std::abs(a.y - b.y)) >= distance;
-}
-
-/// The cheapest candidates that lie `distance` apart from each other and from `taken`; at most `count`.
-std::vector<Candidate> spread(const std::vector<Candidate>& sorted, const std::vector<Offset>& taken,
-                              std::int32_t distance, std::size_t count) {
-    std::vector<Candidate> chosen;
-    for (const Candidate& candidate : sorted) {
-        if (chosen.size() == count) break;
-        const bool free = std::all_of(taken.begin(), taken.end(),
-                                      [&](const Offset& t) { return apart(candidate.at, t, distance); }) &&
-                          std::all_of(chosen.begin(), chosen.end(), [&](const Candidate& c) {
-                              return apart(candidate.at, c.at, distance);
-                          });
-        if (free) chosen.push_back(candidate);
-    }
-    return chosen;
-}
-
 /// Every place of the photograph on the coarse grid, the cheapest first.
-std::vector<Candidate> search_coarsely(const BorderBand& band, const PerceptualImage& photo) {
+std::vector<Candidate> search_coarsely(const BorderBand& band, const PerceptualImage& photo, const Box& box,
+                                       const Liveliness& liveliness) {
     const std::vector<std::uint32_t> costs = all_differences(band, photo);
     const std::int32_t columns = photo.width - band.width + 1;
     std::vector<Candidate> found;
     found.reserve(costs.size());
     for (std::size_t i = 0; i < costs.size(); ++i) {
         const auto place = static_cast<std::int32_t>(i);
-        found.push_back(
-            {costs[i],
-             {band.margin + place % columns * band.factor, band.margin + place / columns * band.factor}});
+        const Offset at{band.margin + place % columns * band.factor,
+                        band.margin + place / columns * band.factor};
+        found.push_back({liveliness.weigh(costs[i], at, box.width, box.height), at});
     }
     std::sort(found.begin(), found.end());
     return found;
@@ -92,53 +66,60 @@ void refine(Candidate& candidate, const BorderBand& band, const PerceptualImage&
         }
 }
 
-FoundContents search_patch(const Pyramid& pyramid, const PerceptualImage& tile_colors,
-                           const PeriodicTile& tile, const Segmentation& segmentation, std::size_t patch,
-                           const ContentSearch& search, std::int32_t coarsest) {
-    const auto& box = segmentation.patches[patch];
-    const PerceptualImage& photo = pyramid.at(1);
-    // Three texels beyond the blending: what the eye compares across the border
-    const std::int32_t reach = search.blend_texels / 2 + 3;
-    const auto wanted = static_cast<std::size_t>(search.contents);
-    const std::vector<Offset> own = own_places(tile, segmentation, patch);
+/// What every patch's search reads.
+struct Sources {
+    Pyramid pyramid;
+    Liveliness liveliness;
+    const PerceptualImage& tile_colors;
+    const PeriodicTile& tile;
+    const Segmentation& segmentation;
+};
 
-    // Exhaustively where the photograph is small; a coarser grid is useless if the band does not fit into it
+std::vector<Candidate> search_patch(const Sources& sources, std::size_t patch, const ContentSearch& search,
+                                    std::int32_t coarsest) {
+    const Box& box = sources.segmentation.patches[patch];
+    const PerceptualImage& photo = sources.pyramid.at(1);
+    const auto band_at = [&](std::int32_t factor) {
+        // Three texels beyond the blending: what the eye compares across the border
+        return make_border_band(sources.tile_colors, sources.segmentation, patch, search.blend_texels / 2 + 3,
+                                factor);
+    };
+    const auto wanted = static_cast<std::size_t>(search.contents);
+    const std::vector<Offset> own = own_places(sources.tile, sources.segmentation, patch);
+
+    // Exhaustively on a coarse grid; a finer one where the photograph leaves few places
     std::int32_t factor = coarsest;
-    BorderBand band = make_border_band(tile_colors, segmentation, patch, reach, factor);
-    std::vector<Candidate> everywhere = search_coarsely(band, pyramid.at(factor));
+    BorderBand band = band_at(factor);
+    std::vector<Candidate> everywhere =
+        search_coarsely(band, sources.pyramid.at(factor), box, sources.liveliness);
     while (everywhere.size() < 4 * wanted && factor > 1) {
         factor /= 2;
-        band = make_border_band(tile_colors, segmentation, patch, reach, factor);
-        everywhere = search_coarsely(band, pyramid.at(factor));
+        band = band_at(factor);
+        everywhere = search_coarsely(band, sources.pyramid.at(factor), box, sources.liveliness);
     }
 
-    // More than wanted, since their order changes as they are refined; closer together only if there is no
-    // choice
+    // Far more than wanted, to choose from; closer together only if there is no choice
     std::int32_t distance = std::max(4, std::min(box.width, box.height) / 3);
     std::vector<Candidate> candidates;
     for (;; distance /= 2) {
-        candidates = spread(everywhere, own, distance + factor, 3 * wanted + 8);
+        candidates = spread(everywhere, own, distance + factor, 6 * wanted + 8);
         if (candidates.size() >= wanted || distance <= 2) break;
     }
     everywhere = {};
     while (factor > 1) {
         factor /= 2;
-        band = make_border_band(tile_colors, segmentation, patch, reach, factor);
-        const PerceptualImage& level = pyramid.at(factor);
+        band = band_at(factor);
+        const PerceptualImage& level = sources.pyramid.at(factor);
         const Span across = span_of(photo.width, band.width, band);
         const Span down = span_of(photo.height, band.height, band);
         for (Candidate& candidate : candidates) refine(candidate, band, level, across, down);
     }
     for (Candidate& candidate : candidates)
-        candidate.cost = mean_difference(band, photo, candidate.at.x, candidate.at.y);
+        candidate.cost =
+            sources.liveliness.weigh(mean_difference(band, photo, candidate.at.x, candidate.at.y),
+                                     candidate.at, box.width, box.height);
     std::sort(candidates.begin(), candidates.end());
-
-    FoundContents out;
-    for (const Candidate& candidate : spread(candidates, own, std::max(1, distance), wanted)) {
-        out.offsets.push_back(candidate.at);
-        out.costs.push_back(candidate.cost);
-    }
-    return out;
+    return spread(candidates, own, std::max(1, distance), candidates.size());
 }
 
 /// How far the photograph is reduced for the exhaustive search: a band keeps some texels of width, and the
@@ -160,21 +141,23 @@ std::int32_t coarsest_factor(const PerceptualImage& photo, const Segmentation& s
 
 }  // namespace
 
-std::vector<FoundContents> find_contents(const PerceptualImage& photo, const PerceptualImage& tile_colors,
-                                         const PeriodicTile& tile, const Segmentation& segmentation,
-                                         const ContentSearch& search, Progress& progress) {
+std::vector<std::vector<Candidate>> find_contents(const PerceptualImage& photo,
+                                                  const PerceptualImage& tile_colors,
+                                                  const PeriodicTile& tile, const Segmentation& segmentation,
+                                                  const ContentSearch& search, Progress& progress) {
     const std::int32_t coarsest = coarsest_factor(photo, segmentation, tile.side, search.blend_texels);
-    Pyramid pyramid;
-    for (std::int32_t factor = 1; factor <= coarsest; factor *= 2) pyramid[factor] = reduced(photo, factor);
+    Sources sources{{}, Liveliness{photo}, tile_colors, tile, segmentation};
+    for (std::int32_t factor = 1; factor <= coarsest; factor *= 2)
+        sources.pyramid[factor] = reduced(photo, factor);
 
-    std::vector<FoundContents> found(segmentation.patches.size());
+    std::vector<std::vector<Candidate>> candidates(segmentation.patches.size());
     std::atomic<std::size_t> done{0};
-    for_each_index(found.size(), search.threads, [&](std::size_t patch) {
+    for_each_index(candidates.size(), search.threads, [&](std::size_t patch) {
         if (progress.stop().stop_requested()) return;
-        found[patch] = search_patch(pyramid, tile_colors, tile, segmentation, patch, search, coarsest);
-        progress.advance("contents", static_cast<double>(++done) / static_cast<double>(found.size()));
+        candidates[patch] = search_patch(sources, patch, search, coarsest);
+        progress.advance("contents", static_cast<double>(++done) / static_cast<double>(candidates.size()));
     });
-    return found;
+    return choose_evenly(candidates, segmentation.patches, static_cast<std::size_t>(search.contents), photo);
 }
 
 }  // namespace tessera

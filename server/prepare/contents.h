@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "server/prepare/candidates.h"
 #include "server/prepare/patches.h"
 #include "server/prepare/perceptual.h"
 #include "server/prepare/progress.h"
@@ -16,17 +17,14 @@ struct ContentSearch {
     std::size_t threads = 1;
 };
 
-/// What was found for one patch.
-struct FoundContents {
-    std::vector<ContentExchangeAsset::Offset> offsets;  ///< The best first.
-    std::vector<std::uint64_t> costs;  ///< Of each, the mean difference() along the patch's border.
-};
-
 /// For each patch the translations into the photograph that fit it best along its border. They lie apart from
 /// one another and from where the tile itself was cut, and the patch's box with half the blending width
-/// around it lies inside the photograph. Fewer than wanted where the photograph holds no more.
-std::vector<FoundContents> find_contents(const PerceptualImage& photo, const PerceptualImage& tile_colors,
-                                         const PeriodicTile& tile, const Segmentation& segmentation,
-                                         const ContentSearch& search, Progress& progress);
+/// around it lies inside the photograph. Together they show all of the
+/// photograph about equally often. The best fit comes first; fewer than wanted where the photograph holds no
+/// more.
+std::vector<std::vector<Candidate>> find_contents(const PerceptualImage& photo,
+                                                  const PerceptualImage& tile_colors,
+                                                  const PeriodicTile& tile, const Segmentation& segmentation,
+                                                  const ContentSearch& search, Progress& progress);
 
 }  // namespace tessera

@@ -125,13 +125,18 @@ PeriodicTile cut_tile(const PerceptualImage& photo, Place place, std::int32_t si
     });
     const Cut top = cheapest_loop(down);
 
-    PeriodicTile tile{side, overlap, {}, top.cost, std::int64_t{2} * side};
+    PeriodicTile tile{side, overlap, {}, top.cost, 0};
     tile.sources.reserve(static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
     for (std::int32_t y = 0; y < side; ++y)
         for (std::int32_t x = 0; x < side; ++x) {
             const std::int32_t line = y < top.at[static_cast<std::size_t>(x)] ? y + side : y;
             tile.sources.push_back({source_x(x, line), place.y + line});
         }
+    for (std::int32_t y = 0; y < side; ++y)
+        for (std::int32_t x = 0; x < side; ++x)
+            tile.activity += static_cast<std::uint64_t>(
+                difference(photo.at(place.x + x, place.y + y), photo.at(place.x + x + 1, place.y + y + 1)));
+    tile.activity = tile.activity / (static_cast<std::uint64_t>(side) * static_cast<std::uint64_t>(side)) + 1;
     // Of the first cut only the lines that the tile shows
     const std::int32_t shown = top.at.front();
     for (std::int32_t line = shown; line < shown + side; ++line)
@@ -162,8 +167,9 @@ PeriodicTile make_tile(const PerceptualImage& photo, std::int32_t side, std::siz
         tiles[i] = cut_tile(photo, places[i], side, overlap);
         progress.advance("tile", static_cast<double>(++done) / static_cast<double>(places.size()));
     });
+    // Cheap against what goes on in the tile anyway: in a flat corner of the photograph every cut is cheap
     return *std::min_element(tiles.begin(), tiles.end(), [](const PeriodicTile& a, const PeriodicTile& b) {
-        return a.seam_cost < b.seam_cost;
+        return a.seam_cost * b.activity < b.seam_cost * a.activity;
     });
 }
 

@@ -20,7 +20,7 @@ struct PeriodicTile {
     std::int32_t overlap = 0;         ///< Texels along which opposite sides were laid over each other.
     std::vector<PhotoPoint> sources;  ///< side×side: where each texel is from.
     std::uint64_t seam_cost = 0;      ///< Summed differences over the cuts; see tile.cpp.
-    std::int64_t seam_texels = 0;     ///< Texels along the cuts.
+    std::uint64_t activity = 0;       ///< Mean difference of diagonal neighbours in the photograph there.
 };
 
 /// The least overlap that a tile of `side` texels is cut with; the photograph is larger than the tile by it.

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <tuple>
+#include <vector>
+
+#include "server/prepare/perceptual.h"
+#include "server/texture/content_exchange.h"
+
+namespace tessera {
+
+/// A place in the photograph that a patch might show.
+struct Candidate {
+    std::uint64_t cost = 0;  ///< The less, the better it fits.
+    ContentExchangeAsset::Offset at;
+
+    bool operator<(const Candidate& other) const {
+        return std::tuple{cost, at.y, at.x} < std::tuple{other.cost, other.at.y, other.at.x};
+    }
+};
+
+/// Chebyshev's distance of two places is at least `distance`.
+bool lie_apart(const ContentExchangeAsset::Offset& a, const ContentExchangeAsset::Offset& b,
+               std::int32_t distance);
+
+/// The cheapest of the sorted candidates that lie `distance` apart from each other and from `taken`; at most
+/// `count`.
+std::vector<Candidate> spread(const std::vector<Candidate>& sorted,
+                              const std::vector<ContentExchangeAsset::Offset>& taken, std::int32_t distance,
+                              std::size_t count);
+
+/// How much goes on in each box of the photograph, against the whole. What is flat fits anywhere tolerably,
+/// so that borders alone would fill the texture with the photograph's dullest parts.
+class Liveliness {
+  public:
+    explicit Liveliness(const PerceptualImage& photo);
+
+    /// `cost` raised up to twofold for a flat box, lowered for a lively one, unchanged for an average one.
+    /// The box is inside the photograph.
+    std::uint64_t weigh(std::uint64_t cost, const ContentExchangeAsset::Offset& at, std::int32_t width,
+                        std::int32_t height) const;
+
+  private:
+    std::uint64_t sum_to(std::int32_t x, std::int32_t y) const;
+
+    std::int32_t width_ = 0;
+    std::vector<std::uint64_t> sums_;  ///< Of squared gradients, over all texels above and left.
+    std::uint64_t mean_ = 0;
+};
+
+/// Chooses `wanted` of each patch's candidates, which lie apart already, so that the whole photograph is
+/// shown about equally often: in turn each patch takes what is cheapest, in view of how often it is shown
+/// already.
+std::vector<std::vector<Candidate>> choose_evenly(const std::vector<std::vector<Candidate>>& candidates,
+                                                  const std::vector<ContentExchangeAsset::Patch>& patches,
+                                                  std::size_t wanted, const PerceptualImage& photo);
+
+}  // namespace tessera
