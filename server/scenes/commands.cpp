@@ -1,9 +1,121 @@
 #include "server/scenes/commands.h"
 
+#include <cstdio>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
 #include <CLI/CLI.hpp>
 
-namespace tessera {
+#include "server/prepare/interrupt.h"
+#include "server/prepare/terminal_progress.h"
+#include "server/scenes/sample_scenes.h"
+#include "server/scenes/scene_folder.h"
 
-void add_scenes_command(CLI::App&, int&) {}
+namespace tessera {
+namespace {
+
+struct Arguments {
+    std::string photo;
+    std::string folder;
+    std::string photos;
+    std::vector<std::string> only;
+    bool force = false;
+    bool quiet = false;
+};
+
+/// Makes one scene under a progress bar, and says what became of it. False after an error.
+bool make(const char* command, const std::string& id, const Arguments& arguments, const Interrupt& interrupt,
+          const std::function<Result<Made>(Progress&)>& work) {
+    const auto made = [&] {
+        TerminalProgress progress{
+            {{"painting", 0.2}, {"tile", 0.15}, {"patches", 0.05}, {"contents", 0.5}, {"writing", 0.1}},
+            arguments.quiet,
+            interrupt.token()};
+        return work(progress);
+    }();
+    if (!made) {
+        std::fprintf(stderr, "tessera %s: %s\n", command, made.error().detail.c_str());
+        return false;
+    }
+    if (!arguments.quiet)
+        std::fprintf(stderr, "tessera %s: %s/%s: %s\n", command, arguments.folder.c_str(), id.c_str(),
+                     *made == Made::kept ? "is there already" : "done");
+    return true;
+}
+
+/// The samples asked for, or those that can be made; null after an error.
+std::unique_ptr<std::vector<Sample>> choose(const Arguments& arguments) {
+    auto chosen = std::make_unique<std::vector<Sample>>();
+    for (const std::string& name : arguments.only) {
+        const Sample* sample = find_sample(name);
+        if (sample == nullptr) {
+            std::string names;
+            for (const Sample& known : all_samples()) names += " " + std::string{known.name};
+            std::fprintf(stderr, "tessera samples: --only %s: no such sample; there are%s\n", name.c_str(),
+                         names.c_str());
+            return nullptr;
+        }
+        chosen->push_back(*sample);
+    }
+    if (!chosen->empty()) return chosen;
+    for (const Sample& sample : all_samples())
+        if (sample.source != Sample::Source::photograph ||
+            std::filesystem::exists(photo_of(sample, arguments.photos)))
+            chosen->push_back(sample);
+    return chosen;
+}
+
+int run_samples(const Arguments& arguments) {
+    const Interrupt interrupt;
+    const auto chosen = choose(arguments);
+    if (chosen == nullptr) return 1;
+    // One bad photograph does not stop the others
+    bool good = true;
+    for (const Sample& sample : *chosen) {
+        if (interrupt.token().stop_requested()) return 1;
+        good &= make("samples", std::string{sample.name}, arguments, interrupt, [&](Progress& progress) {
+            return make_sample(sample, arguments.folder, arguments.photos, arguments.force, progress);
+        });
+    }
+    return good ? 0 : 1;
+}
+
+int run_scene(const Arguments& arguments) {
+    const Interrupt interrupt;
+    const std::string id = scene_id_of(arguments.photo);
+    const bool good = make("scene", id, arguments, interrupt, [&](Progress& progress) {
+        return make_photo_scene(arguments.photo, arguments.folder, arguments.force, progress);
+    });
+    if (!good) return 1;
+    std::printf("%s\n", id.c_str());
+    return 0;
+}
+
+}  // namespace
+
+void add_scenes_command(CLI::App& app, int& exit_code) {
+    const auto arguments = std::make_shared<Arguments>();
+    const auto add_common = [&arguments](CLI::App& command) {
+        command.add_option("-o,--output", arguments->folder, "Folder of scenes to put it into")->required();
+        command.add_flag("--force", arguments->force, "Make again what is there already");
+        command.add_flag("-q,--quiet", arguments->quiet, "No progress, only errors");
+    };
+
+    CLI::App& samples = *app.add_subcommand("samples", "Makes the folder of sample scenes");
+    add_common(samples);
+    samples.add_option("--photos", arguments->photos,
+                       "Folder with coffee.jpg, stones.jpg, maple-leaves.jpg, leaf.jpg (fetch_photos.sh); "
+                       "those that are missing are left out");
+    samples.add_option("--only", arguments->only, "Make only the sample of this name; may be repeated");
+    samples.callback([arguments, &exit_code] { exit_code = run_samples(*arguments); });
+
+    CLI::App& scene = *app.add_subcommand(
+        "scene", "Makes a scene of a photograph, named after the file; prints the scene's id");
+    scene.add_option("PHOTO", arguments->photo, "PNG, JPEG, WebP or TIFF")->required();
+    add_common(scene);
+    scene.callback([arguments, &exit_code] { exit_code = run_scene(*arguments); });
+}
 
 }  // namespace tessera

@@ -1,0 +1,114 @@
+#include "server/scenes/sample_scenes.h"
+
+#include <algorithm>
+
+#include "proto/scene.pb.h"
+
+#include "server/prepare/prepare.h"
+#include "server/scene/image_file.h"
+#include "server/scenes/paint_pebbles.h"
+#include "server/scenes/scene_folder.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int32_t painting_side = 1024;
+constexpr std::uint64_t painting_seed = 1;
+
+proto::Scene described(std::string_view title, std::string_view attribution) {
+    proto::Scene scene;
+    scene.set_title(std::string{title});
+    scene.set_attribution(std::string{attribution});
+    return scene;
+}
+
+/// Prepares `exemplar` and writes the scene that shows it. `where` names the exemplar in messages.
+Result<Made> make_content_exchange_scene(const Rgb8Image& exemplar, const std::string& where,
+                                         proto::Scene scene, const fs::path& folder, Progress& progress) {
+    const PrepareOptions options;
+    const auto asset = prepare_content_exchange(exemplar, options, progress);
+    if (!asset) return Error{asset.error().code, where + ": " + asset.error().detail};
+    progress.advance("writing", 0);
+    scene.mutable_content_exchange()->set_asset(asset_folder_name);
+    scene.mutable_content_exchange()->set_seed(options.seed);
+    if (auto written = write_scene_folder(folder, scene, &*asset, options.seed); !written)
+        return written.error();
+    progress.advance("writing", 1);
+    return Made::written;
+}
+
+Result<Made> make_of_photo(const fs::path& photo, proto::Scene scene, const fs::path& folder, bool force,
+                           Progress& progress) {
+    const auto exemplar = read_rgb_image(photo);
+    if (!exemplar) return exemplar.error();
+    if (!force && holds_scene_of(folder, *exemplar)) return Made::kept;
+    return make_content_exchange_scene(*exemplar, photo.string(), std::move(scene), folder, progress);
+}
+
+Result<Made> make_of_painting(proto::Scene scene, const fs::path& folder, Progress& progress) {
+    progress.advance("painting", 0);
+    const Rgb8Image exemplar = paint_pebbles(painting_side, painting_seed);
+    progress.advance("painting", 1);
+    return make_content_exchange_scene(exemplar, "pebbles", std::move(scene), folder, progress);
+}
+
+Result<Made> make_pattern(proto::Scene scene, Sample::Source source, const fs::path& folder) {
+    if (source == Sample::Source::constant) {
+        proto::Color& color = *scene.mutable_constant()->mutable_color();
+        color.set_red(188);  // half of white's light, and two codes that no rounding confuses
+        color.set_green(120);
+        color.set_blue(57);
+    } else {
+        scene.mutable_checker()->set_cell_texels(32);
+    }
+    if (auto written = write_scene_folder(folder, scene, nullptr, 0); !written) return written.error();
+    return Made::written;
+}
+
+}  // namespace
+
+const std::vector<Sample>& all_samples() {
+    using enum Sample::Source;
+    constexpr std::string_view gallery = "Photograph from LibreOffice's gallery, as packaged by Debian";
+    static const std::vector<Sample> samples{
+        {"pebbles", "Pebbles", "Painted by Tessera", painting},
+        {"coffee", "Coffee beans", gallery, photograph},
+        {"stones", "Stones", gallery, photograph},
+        {"maple-leaves", "Maple leaves", gallery, photograph},
+        {"leaf", "Leaves", gallery, photograph},
+        {"constant", "One colour", "", constant},
+        {"checker", "Checkerboard", "", checker},
+    };
+    return samples;
+}
+
+const Sample* find_sample(std::string_view name) {
+    const auto& samples = all_samples();
+    const auto found = std::ranges::find(samples, name, &Sample::name);
+    return found == samples.end() ? nullptr : &*found;
+}
+
+fs::path photo_of(const Sample& sample, const fs::path& photos) {
+    return photos / (std::string{sample.name} + ".jpg");
+}
+
+Result<Made> make_sample(const Sample& sample, const fs::path& folder, const fs::path& photos, bool force,
+                         Progress& progress) {
+    const fs::path target = folder / sample.name;
+    proto::Scene scene = described(sample.title, sample.attribution);
+    if (sample.source == Sample::Source::photograph)
+        return make_of_photo(photo_of(sample, photos), std::move(scene), target, force, progress);
+    if (!force && holds_valid_scene(target)) return Made::kept;
+    if (sample.source == Sample::Source::painting)
+        return make_of_painting(std::move(scene), target, progress);
+    return make_pattern(std::move(scene), sample.source, target);
+}
+
+Result<Made> make_photo_scene(const fs::path& photo, const fs::path& folder, bool force, Progress& progress) {
+    return make_of_photo(photo, described(scene_id_of(photo), ""), folder / scene_id_of(photo), force,
+                         progress);
+}
+
+}  // namespace tessera

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/prepare/progress.h"
+#include "shared/result/result.h"
+
+namespace tessera {
+
+/// A scene that ships with Tessera.
+struct Sample {
+    enum class Source { painting, photograph, constant, checker };
+    std::string_view name;  ///< The scene's id.
+    std::string_view title;
+    std::string_view attribution;
+    Source source = Source::photograph;
+};
+
+const std::vector<Sample>& all_samples();
+
+/// Null if there is none of that name.
+const Sample* find_sample(std::string_view name);
+
+/// Where a sample's photograph is in the cache folder that fetch_photos.sh fills.
+std::filesystem::path photo_of(const Sample& sample, const std::filesystem::path& photos);
+
+/// What became of a scene folder.
+enum class Made { kept, written };
+
+/// Makes `folder`/NAME, unless a scene that loads is there already and `force` is not set. Errors:
+/// io_failure, invalid_input, cancelled; the message names the file.
+Result<Made> make_sample(const Sample& sample, const std::filesystem::path& folder,
+                         const std::filesystem::path& photos, bool force, Progress& progress);
+
+/// Makes a scene of a person's own photograph in `folder`/scene_id_of(photo), unless it was made of the same
+/// picture already. Errors as above.
+Result<Made> make_photo_scene(const std::filesystem::path& photo, const std::filesystem::path& folder,
+                              bool force, Progress& progress);
+
+}  // namespace tessera

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "server/texture/content_exchange.h"
+#include "shared/result/result.h"
+
+namespace tessera::proto {
+class Scene;
+}
+
+namespace tessera {
+
+/// The id of a scene made of a photograph: its file name without extension, all but letters, digits, '-',
+/// '_' and '.' replaced, at most 64 characters; "photo" if nothing is left.
+std::string scene_id_of(const std::filesystem::path& photo);
+
+/// The folder inside a scene's folder that holds its asset.
+inline constexpr const char* asset_folder_name = "asset";
+
+/// Writes `folder` with a scene file and, unless it is null, the asset that the scene file names; whole or
+/// not at all: a neighbour that is renamed into place. What was there is replaced, if it was a scene. Errors:
+/// io_failure, invalid_input (a folder that is there and no scene).
+Result<void> write_scene_folder(const std::filesystem::path& folder, const proto::Scene& scene,
+                                const ContentExchangeAsset* asset, std::uint64_t seed);
+
+/// Whether `folder` holds a scene that loads.
+bool holds_valid_scene(const std::filesystem::path& folder);
+
+/// Whether it does, and was made of exactly this photograph.
+bool holds_scene_of(const std::filesystem::path& folder, const Rgb8Image& photo);
+
+}  // namespace tessera

@@ -1,0 +1,11 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds everything, and runs every test. Options go to ctest: ./test.sh -R pebbles
+set -euo pipefail
+cd "$(dirname "$0")"
+
+docker/install.sh
+configure=()
+[[ ${CI:-} == true ]] && configure=(-DTESSERA_WERROR=ON)
+cmake --preset release "${configure[@]}"
+cmake --build --preset release
+exec ctest --test-dir build/release --parallel 2 --output-on-failure --no-tests=error --label-exclude '^bench$' "$@"
