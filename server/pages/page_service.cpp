@@ -40,7 +40,7 @@ PageService::PageService(const PageServiceLimits& limits, prometheus::Registry& 
         threads_.emplace_back([this] { work(); });
 }
 
-PageService::~PageService() {
+void PageService::stop() {
     std::vector<Waiter> waiters;
     {
         const std::lock_guard lock{mutex_};
@@ -52,6 +52,7 @@ PageService::~PageService() {
     work_arrived_.notify_all();
     answer(waiters, Error{ErrorCode::cancelled, "the server is stopping"});
     for (std::thread& thread : threads_) thread.join();
+    threads_.clear();
 }
 
 PagePtr PageService::find(PageId id, std::uint8_t level) {

@@ -66,8 +66,7 @@ class PageService {
     /// `registry` outlives the service.
     PageService(const PageServiceLimits& limits, prometheus::Registry& registry,
                 MakePrelude make_prelude = {});
-    /// Stops running evaluations; their waiters, and those in the queue, get `cancelled`.
-    ~PageService();
+    ~PageService() { stop(); }
     PageService(const PageService&) = delete;
     PageService& operator=(const PageService&) = delete;
 
@@ -77,6 +76,10 @@ class PageService {
     /// Calls `handler` once, on another thread or before returning, with the page or with overloaded,
     /// timed_out, cancelled or io_failure; not at all once the ticket is given up.
     [[nodiscard]] Ticket request(const PageRequest& request, Handler handler);
+
+    /// Stops running evaluations; their waiters, and those in the queue, get `cancelled`, as does whoever
+    /// asks from now on. Returns when the threads have ended. Idempotent; not to be called twice at a time.
+    void stop();
 
     /// Brings the gauges of cache and queue up to date, for a scrape.
     void update_gauges();

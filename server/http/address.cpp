@@ -1,0 +1,157 @@
+#include "server/http/address.h"
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+#include <stdexcept>
+
+namespace tessera {
+namespace {
+
+constexpr std::uint64_t out_of_range = std::numeric_limits<std::uint64_t>::max();
+
+Refusal malformed(std::string why) { return {400, std::move(why), false}; }
+
+int hex_digit(char c) {
+    if (c >= '0' && c <= '9') return c - '0';
+    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+    if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+    return -1;
+}
+
+Parsed<std::string> decode(std::string_view text) {
+    std::string decoded;
+    decoded.reserve(text.size());
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        char c = text[i];
+        if (c == '%') {
+            const int high = i + 1 < text.size() ? hex_digit(text[i + 1]) : -1;
+            const int low = i + 2 < text.size() ? hex_digit(text[i + 2]) : -1;
+            if (high < 0 || low < 0) return malformed("'%' is followed by two hexadecimal digits");
+            c = static_cast<char>(high * 16 + low);
+            i += 2;
+            if (c < ' ' || c == '\x7f' || c == '/' || c == '\\')
+                return malformed("the address hides a separator or a byte outside ASCII");
+        }
+        decoded.push_back(c);
+    }
+    return decoded;
+}
+
+/// A decimal number without sign or leading zeros, so that a page has one address. Numbers beyond every
+/// extent, and negative ones, are well formed and out of range.
+std::optional<std::uint64_t> number(std::string_view text) {
+    const bool negative = text.starts_with('-');
+    if (negative) text.remove_prefix(1);
+    if (text.empty() || !std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; }) ||
+        (text.size() > 1 && text.front() == '0'))
+        return std::nullopt;
+    std::uint64_t value = 0;
+    const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (failure != std::errc{} || negative) return out_of_range;
+    return value;
+}
+
+std::optional<PageAddress::Pin> pin_of(std::string_view text) {
+    const std::size_t dash = text.find('-');
+    if (!text.starts_with('r') || dash == std::string_view::npos) return std::nullopt;
+    const auto revision = number(text.substr(1, dash - 1));
+    const std::string_view fingerprint = text.substr(dash + 1);
+    if (!revision || fingerprint.size() != 16 ||
+        !std::all_of(fingerprint.begin(), fingerprint.end(), [](char c) { return hex_digit(c) >= 0; }))
+        return std::nullopt;
+    return PageAddress::Pin{*revision, std::string{fingerprint}};
+}
+
+std::optional<Accuracy> accuracy_named(std::string_view name) {
+    if (name == "exact") return Accuracy::exact;
+    if (name == "high") return Accuracy::high;
+    if (name == "fast") return Accuracy::fast;
+    return std::nullopt;
+}
+
+}  // namespace
+
+void throw_exception_from_error(const Refusal& refusal, const boost::source_location&) {
+    throw std::logic_error{refusal.why};
+}
+
+Parsed<std::vector<std::string>> path_segments(std::string_view path) {
+    std::vector<std::string> segments;
+    for (std::size_t begin = 1; begin <= path.size();) {
+        const std::size_t end = std::min(path.find('/', begin), path.size());
+        auto segment = decode(path.substr(begin, end - begin));
+        if (!segment) return segment.error();
+        if (*segment == "." || *segment == "..") return malformed("the address has a relative segment");
+        segments.push_back(std::move(*segment));
+        begin = end + 1;
+    }
+    if (segments.empty()) segments.emplace_back();
+    return segments;
+}
+
+bool is_page_address(const std::vector<std::string>& segments) noexcept {
+    return segments.front() == "scenes" && (segments.size() == 5 || segments.size() == 6);
+}
+
+Parsed<PageAddress> page_address(const std::vector<std::string>& segments) {
+    PageAddress address;
+    address.scene = segments[1];
+    if (segments.size() == 6) {
+        address.pin = pin_of(segments[2]);
+        if (!address.pin)
+            return malformed("a page at a revision is /scenes/{id}/r{revision}-{fingerprint}/…");
+    }
+    const auto numbers = segments.end() - 3;
+    const std::string_view last = segments.back();
+    const std::size_t dot = last.find('.');
+    const auto z = number(numbers[0]), x = number(numbers[1]), y = number(last.substr(0, dot));
+    const auto format = dot == std::string_view::npos ? std::nullopt : page_format(last.substr(dot + 1));
+    if (!z || !x || !y) return malformed("z, x and y are decimal numbers: /scenes/{id}/{z}/{x}/{y}.png");
+    if (!format) return malformed("a page's address ends in .png, .jpg, .webp or .rgba");
+    address.z = *z;
+    address.x = *x;
+    address.y = *y;
+    address.format = *format;
+    return address;
+}
+
+Parsed<PageQuery> page_query(std::string_view query) {
+    PageQuery result;
+    bool has_gutter = false, has_accuracy = false;
+    while (!query.empty()) {
+        const std::size_t end = std::min(query.find('&'), query.size());
+        const std::string_view item = query.substr(0, end);
+        const std::size_t equals = std::min(item.find('='), item.size());
+        const std::string_view name = item.substr(0, equals);
+        const std::string_view value = item.substr(std::min(equals + 1, item.size()));
+        query.remove_prefix(std::min(end + 1, query.size()));
+        if (name == "gutter") {
+            const auto texels = number(value);
+            if (!texels || *texels > static_cast<std::uint64_t>(max_gutter_texels))
+                return malformed("gutter: texels from 0 to " + std::to_string(max_gutter_texels));
+            if (std::exchange(has_gutter, true)) return malformed("gutter: is given twice");
+            result.gutter = static_cast<std::uint8_t>(*texels);
+        } else if (name == "accuracy") {
+            const auto accuracy = accuracy_named(value);
+            if (!accuracy) return malformed("accuracy: exact, high or fast");
+            if (std::exchange(has_accuracy, true)) return malformed("accuracy: is given twice");
+            result.accuracy = *accuracy;
+        } else {
+            return malformed("unknown parameter; pages take gutter and accuracy");
+        }
+    }
+    return result;
+}
+
+std::string PageQuery::canonical() const {
+    std::string text;
+    if (gutter != 0) text += "?gutter=" + std::to_string(gutter);
+    if (accuracy != Accuracy::high) {
+        text += text.empty() ? '?' : '&';
+        text += accuracy == Accuracy::exact ? "accuracy=exact" : "accuracy=fast";
+    }
+    return text;
+}
+
+}  // namespace tessera

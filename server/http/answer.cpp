@@ -1,0 +1,178 @@
+#include "server/http/answer.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+
+#include <boost/beast/core/string.hpp>
+
+namespace tessera {
+namespace {
+
+constexpr std::string_view prelude_of_text =
+    "Access-Control-Allow-Origin: *\r\n"
+    "Access-Control-Expose-Headers: *, ETag, Server-Timing, Retry-After\r\n"
+    "Timing-Allow-Origin: *\r\n"
+    "Cross-Origin-Resource-Policy: cross-origin\r\n"
+    "X-Content-Type-Options: nosniff\r\n"
+    "\r\n";
+
+unsigned status_of(ErrorCode code) {
+    switch (code) {
+        case ErrorCode::malformed_request:
+            return 400;
+        case ErrorCode::no_such_scene:
+        case ErrorCode::no_such_page:
+            return 404;
+        case ErrorCode::page_changed:
+            return 410;
+        case ErrorCode::overloaded:
+        case ErrorCode::timed_out:
+        case ErrorCode::cancelled:
+            return 503;
+        case ErrorCode::invalid_input:
+        case ErrorCode::io_failure:
+            break;
+    }
+    return 500;
+}
+
+std::string_view accuracy_name(Accuracy accuracy) {
+    return accuracy == Accuracy::exact ? "exact" : accuracy == Accuracy::high ? "high" : "fast";
+}
+
+std::string decimal(double value) {
+    char text[32];
+    return {text, static_cast<std::size_t>(std::snprintf(text, sizeof text, "%.6g", value))};
+}
+
+std::string_view trimmed(std::string_view text) {
+    while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+    while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
+    return text;
+}
+
+/// Cuts the next element off a comma-separated list.
+std::string_view next_element(std::string_view& list) {
+    const std::size_t comma = std::min(list.find(','), list.size());
+    const std::string_view element = trimmed(list.substr(0, comma));
+    list.remove_prefix(std::min(comma + 1, list.size()));
+    return element;
+}
+
+bool equals_ignoring_case(std::string_view a, std::string_view b) {
+    return boost::beast::iequals({a.data(), a.size()}, {b.data(), b.size()});
+}
+
+/// Raw pages alone are negotiated; the others are the same for everybody.
+std::string_view negotiation_fields(const PageOptions& options) {
+    if (options.format != PageFormat::rgba) return {};
+    return options.coding == ContentCoding::zstd ? "Content-Encoding: zstd\r\nVary: Accept-Encoding\r\n"
+                                                 : "Vary: Accept-Encoding\r\n";
+}
+
+}  // namespace
+
+const std::string_view common_fields = prelude_of_text.substr(0, prelude_of_text.size() - 2);
+
+Answer text_answer(unsigned status, std::string_view content_type, std::string body,
+                   std::string_view more_fields) {
+    Answer answer;
+    answer.status = status;
+    const auto owner = std::make_shared<const std::string>(std::move(body));
+    if (status != 204 && status != 304) {
+        answer.fields += "Content-Type: ";
+        answer.fields += content_type;
+        answer.fields += "\r\nContent-Length: " + std::to_string(owner->size()) + "\r\n";
+    }
+    answer.fields += more_fields;
+    answer.prelude = prelude_of_text;
+    answer.body = {reinterpret_cast<const std::uint8_t*>(owner->data()), owner->size()};
+    answer.owner = owner;
+    return answer;
+}
+
+Answer refusal_answer(const Refusal& refusal) {
+    std::string fields = "Cache-Control: no-store\r\n";
+    if (refusal.status == 405) fields += "Allow: GET, HEAD, OPTIONS\r\n";
+    if (refusal.status == 503) fields += "Retry-After: 1\r\n";
+    Answer answer = text_answer(refusal.status, "text/plain; charset=utf-8", refusal.why + "\n", fields);
+    answer.close = refusal.close;
+    return answer;
+}
+
+Answer error_answer(const Error& error) {
+    const unsigned status = status_of(error.code);
+    // What went wrong inside is for the log alone
+    return refusal_answer({status, status == 500 ? "the server could not make this" : error.detail, false});
+}
+
+std::string page_prelude(const EncodedPage& page) {
+    std::string text;
+    text.reserve(768);
+    const auto field = [&text](std::string_view name, std::string_view value) {
+        text += name;
+        text += ": ";
+        text += value;
+        text += "\r\n";
+    };
+    field("Content-Type", content_type(page.options.format));
+    field("Content-Length", std::to_string(page.bytes->size()));
+    field("ETag", etag_of(page.id));
+    text += negotiation_fields(page.options);
+    field("Tessera-Method", page.evaluation.method);
+    field("Tessera-Bound", decimal(page.evaluation.bound_codes));
+    field("Tessera-Confidence", decimal(page.evaluation.confidence));
+    field("Tessera-Work", std::to_string(page.evaluation.work));
+    field("Tessera-Accuracy", accuracy_name(page.options.accuracy));
+    field("Tessera-Revision", std::to_string(page.revision));
+    field("Tessera-Level", std::to_string(page.key.level));
+    text += prelude_of_text;
+    text.shrink_to_fit();
+    return text;
+}
+
+std::string page_fields_without_body(PageId id, const PageOptions& options, bool not_modified) {
+    std::string text = "ETag: " + etag_of(id) + "\r\n";
+    text += negotiation_fields(options);
+    if (!not_modified) {
+        text += "Content-Type: ";
+        text += content_type(options.format);
+        text += "\r\n";
+    }
+    return text;
+}
+
+bool matches(std::string_view if_none_match, std::string_view etag) {
+    if (trimmed(if_none_match) == "*") return true;
+    while (!if_none_match.empty()) {
+        std::string_view element = next_element(if_none_match);
+        if (element.starts_with("W/")) element.remove_prefix(2);
+        if (element == etag) return true;
+    }
+    return false;
+}
+
+bool accepts(std::string_view accept_encoding, std::string_view coding) {
+    while (!accept_encoding.empty()) {
+        const std::string_view element = next_element(accept_encoding);
+        const std::size_t semicolon = std::min(element.find(';'), element.size());
+        if (!equals_ignoring_case(trimmed(element.substr(0, semicolon)), coding)) continue;
+        const std::string_view weight = trimmed(element.substr(std::min(semicolon + 1, element.size())));
+        // q=0, q=0.0, … refuse; anything else allows
+        return !((weight.starts_with("q=0") || weight.starts_with("Q=0")) &&
+                 weight.find_first_not_of("0.", 2) == std::string_view::npos);
+    }
+    return false;
+}
+
+Urgency urgency_of(std::string_view priority) {
+    while (!priority.empty()) {
+        const std::string_view element = next_element(priority);
+        if (element.size() == 3 && element.starts_with("u=") && element[2] >= '0' && element[2] <= '7')
+            return {static_cast<std::uint8_t>(element[2] - '0')};
+    }
+    return {};
+}
+
+}  // namespace tessera

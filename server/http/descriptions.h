@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "server/scene/scene.h"
+
+namespace tessera {
+
+/// GET /scenes: proto::SceneList as JSON.
+std::string describe_scenes(const Catalog& catalog);
+
+/// GET /scenes/{id}: proto::TileJson as JSON. `origin` is scheme, host and port: "http://127.0.0.1:7070".
+std::string describe_tiles(const Scene& scene, std::string_view origin);
+
+}  // namespace tessera

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <chrono>
+#include <list>
+#include <memory>
+#include <string>
+
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/basic_stream_socket.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+
+#include "server/http/http_metrics.h"
+#include "server/http/request_head.h"
+#include "server/http/routes.h"
+
+namespace tessera {
+
+/// Everything of one I/O thread runs on one io_context, so that sessions need no locks.
+using IoExecutor = boost::asio::io_context::executor_type;
+using PageSocket = boost::asio::basic_stream_socket<boost::asio::ip::tcp, IoExecutor>;
+template <class T>
+using Task = boost::asio::awaitable<T, IoExecutor>;
+
+class Session;
+
+/// "Date: …\r\n", made anew once a second.
+class DateField {
+  public:
+    std::string_view now();
+
+  private:
+    std::int64_t second_ = -1;
+    std::string text_;
+};
+
+/// What the sessions of one I/O thread share. The references outlive it.
+struct SessionContext {
+    SessionLimits limits;
+    Routes& routes;
+    PageService& pages;
+    HttpMetrics& metrics;
+    Site site{};                     ///< Replaced on this thread.
+    std::list<Session*> sessions{};  ///< Those alive.
+    DateField date{};
+};
+
+/// Answers one client's requests, in their order, until it leaves. All members are called on the context's
+/// thread.
+class Session : public std::enable_shared_from_this<Session> {
+  public:
+    using Clock = std::chrono::steady_clock;
+
+    Session(PageSocket socket, SessionContext& context);
+    ~Session();
+    Session(const Session&) = delete;
+    Session& operator=(const Session&) = delete;
+
+    /// Runs the session; it lives as long as this does.
+    static Task<void> run(std::shared_ptr<Session> self);
+
+    /// Ends what waits longer than it may. Called a few times a second.
+    void check_deadline(Clock::time_point now);
+    /// Closes an idle connection at once, and a busy one behind its answer.
+    void drain();
+    /// Closes the connection now.
+    void abort();
+
+  private:
+    enum class ReadEnd { complete, closed, too_long, too_slow };
+
+    Task<void> serve();
+    Task<ReadEnd> read_head(std::size_t& head_bytes);
+    Task<bool> answer_request(std::string_view raw);
+    Task<bool> wait_for_page(PendingPage pending, const RequestHead& request, bool keep_alive);
+    Task<void> client_leaves();
+    Task<bool> send(const Answer& answer, bool with_body, bool keep_alive);
+    Task<void> linger();
+    void set_deadline(std::chrono::milliseconds from_now) { deadline_ = Clock::now() + from_now; }
+
+    PageSocket socket_;
+    SessionContext& context_;
+    std::list<Session*>::iterator place_;
+    std::string input_;   ///< Read and not yet answered; at most limits.head_bytes.
+    std::string output_;  ///< The header being sent.
+    Clock::time_point deadline_ = Clock::time_point::max();
+    bool expired_ = false;   ///< The deadline ended the operation that was waiting.
+    bool idle_ = false;      ///< Waits for the first byte of a request.
+    bool draining_ = false;  ///< The answer under way is the last.
+};
+
+}  // namespace tessera
