@@ -1,5 +1,4 @@
-    unzip -p palette.zip "Pictures/$photo.jpg" >"$folder/$photo.jpg.part" ||
-        fail "standard.sob holds no Pictures/$photo.jpg"#!/usr/bin/env bash
+#!/usr/bin/env bash
 # Fetches the photographs of the sample scenes into a folder, once: coffee.jpg, stones.jpg, maple-leaves.jpg
 # and leaf.jpg, textures that Debian ships inside libreoffice-common. The package is read, never installed.
 # Exits 1 after a message when they cannot be had.
@@ -28,7 +27,7 @@ have_all() {
 
 download() {
     apt-get download --quiet -o Acquire::Retries=1 -o Acquire::http::Timeout=20 \
-        -o Acquire::https::Timeout=20 -o APT::Sandbox::User="$(id --user --name)" "$package" >"$work/apt.log" 2>&1
+        -o Acquire::https::Timeout=20 -o APT::Sandbox::User="$(id --user --name)" "$package" &>"$work/apt.log"
 }
 
 # A machine that never asked has no package lists
@@ -56,7 +55,7 @@ download || { refresh_lists && download; } || {
 dpkg-deb --fsys-tarfile "$package"_*.deb | tar --extract --to-stdout --wildcards '*/share/palette/standard.sob' \
     >palette.zip || fail "$package holds no share/palette/standard.sob"
 for photo in "${photos[@]}"; do
-    unzip -p palette.zip "Pictures/$photo.jpg" >"$folder/$photo.jpg.part" && [[ -s $folder/$photo.jpg.part ]] ||
+    unzip -p palette.zip "Pictures/$photo.jpg" >"$folder/$photo.jpg.part" ||
         fail "standard.sob holds no Pictures/$photo.jpg"
     mv "$folder/$photo.jpg.part" "$folder/$photo.jpg"
 done
