@@ -102,8 +102,8 @@ std::vector<Candidate> search_patch(const Sources& sources, std::size_t patch, c
     std::int32_t distance = std::max(4, std::min(box.width, box.height) / 3);
     std::vector<Candidate> candidates;
     for (;; distance /= 2) {
-        candidates = spread(everywhere, own, distance + factor, 6 * wanted + 8);
-        if (candidates.size() >= wanted || distance <= 2) break;
+        candidates = spread(everywhere, own, distance + factor - 1, 6 * wanted + 8);
+        if (candidates.size() >= wanted || distance <= 1) break;
     }
     everywhere = {};
     while (factor > 1) {
@@ -119,7 +119,7 @@ std::vector<Candidate> search_patch(const Sources& sources, std::size_t patch, c
             sources.liveliness.weigh(mean_difference(band, photo, candidate.at.x, candidate.at.y),
                                      candidate.at, box.width, box.height);
     std::sort(candidates.begin(), candidates.end());
-    return spread(candidates, own, std::max(1, distance), candidates.size());
+    return spread(candidates, own, distance, candidates.size());
 }
 
 /// How far the photograph is reduced for the exhaustive search: a band keeps some texels of width, and the

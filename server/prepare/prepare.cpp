@@ -30,7 +30,8 @@ Result<void> check(const PrepareOptions& options) {
         return invalid("--tile is " + std::to_string(options.tile_side) +
                        "; a power of two, such as 256 or 512");
     if (auto good = check_range("--patches", options.patches, least_patches, 4096); !good) return good;
-    if (auto good = check_range("--contents", options.contents, 1, ContentExchangeAsset::max_contents); !good) return good;
+    if (auto good = check_range("--contents", options.contents, 1, ContentExchangeAsset::max_contents); !good)
+        return good;
     if (auto good = check_range("--blend", options.blend_texels, 0, 64); !good) return good;
     if (options.blend_texels % 2 != 0)
         return invalid("--blend is " + std::to_string(options.blend_texels) + "; an even number of texels");
@@ -60,6 +61,14 @@ Result<PrepareOptions> fitted(const Rgb8Image& photo, PrepareOptions options, Pr
                       " texels is too wide for a tile of " + std::to_string(options.tile_side) + ": it is " +
                       std::to_string(widest_blend));
         options.blend_texels = widest_blend;
+    }
+    // Patches as large as asked for, so fewer of them on a smaller tile
+    const std::int32_t smaller = asked / options.tile_side;
+    const std::int32_t of_same_size = std::max(least_patches, options.patches / (smaller * smaller));
+    if (of_same_size < options.patches && smaller > 1) {
+        progress.note("on the smaller tile there are about " + std::to_string(of_same_size) +
+                      " patches, not " + std::to_string(options.patches));
+        options.patches = of_same_size;
     }
     // A patch three times as wide as its blending shows something of its own; four by four are the fewest
     const std::int32_t per_side = std::max(4, options.tile_side / std::max(8, 3 * options.blend_texels));

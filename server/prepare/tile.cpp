@@ -149,7 +149,7 @@ PeriodicTile cut_tile(const PerceptualImage& photo, Place place, std::int32_t si
 PeriodicTile make_tile(const PerceptualImage& photo, std::int32_t side, std::size_t threads,
                        Progress& progress) {
     const std::int32_t spare = std::min(photo.width, photo.height) - side;
-    const std::int32_t overlap = std::clamp(side / 4, least_overlap(side), spare);
+    const std::int32_t overlap = std::clamp(std::min(side / 4, 128), least_overlap(side), spare);
     const std::int32_t free_x = photo.width - side - overlap;
     const std::int32_t free_y = photo.height - side - overlap;
     std::vector<Place> places;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -24,7 +25,7 @@ struct PeriodicTile {
 };
 
 /// The least overlap that a tile of `side` texels is cut with; the photograph is larger than the tile by it.
-constexpr std::int32_t least_overlap(std::int32_t side) noexcept { return side / 8 > 4 ? side / 8 : 4; }
+constexpr std::int32_t least_overlap(std::int32_t side) noexcept { return std::clamp(side / 8, 4, 64); }
 
 /// Tries places all over the photograph, and takes the tile whose cuts show least. The photograph is at least
 /// side + least_overlap(side) texels wide and high.

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t max_asset_json_bytes = std::int64_t{1} << 26;
 constexpr std::int32_t max_blend_texels = 64;
-constexpr std::string_view prepared_by = "tessera 0.1.0";
+constexpr std::string_view prepared_by = "tessera " TESSERA_VERSION;
 
 Error invalid(const fs::path& file, const std::string& what) {
     return {ErrorCode::invalid_input, file.string() + ": " + what};
@@ -68,8 +68,9 @@ Result<ContentExchangeAsset::Patch> to_patch(const fs::path& json, const std::st
     patch.height = *height;
 
     if (message.contents_size() > ContentExchangeAsset::max_contents)
-        return invalid(json, name + ".contents: has " + std::to_string(message.contents_size()) + "; at most " +
-                                 std::to_string(ContentExchangeAsset::max_contents) + " for each patch");
+        return invalid(json, name + ".contents: has " + std::to_string(message.contents_size()) +
+                                 "; at most " + std::to_string(ContentExchangeAsset::max_contents) +
+                                 " for each patch");
 
     // The bounding box and half the blending width around it lie inside the exemplar
     const std::int32_t margin = asset.blend_texels / 2;
