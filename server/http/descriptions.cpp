@@ -47,8 +47,8 @@ std::string describe_tiles(const Scene& scene, std::string_view origin) {
     info.set_revision(scene.revision);
     info.set_fingerprint(scene.fingerprint);
     for (const PageFormat format : page_formats) info.add_formats(std::string{extension(format)});
-    info.set_page_url(base + "/r" + std::to_string(scene.revision) + "-" + scene.fingerprint +
-                      "/{z}/{x}/{y}");
+    info.set_page_url("/scenes/" + scene.id + "/r" + std::to_string(scene.revision) + "-" +
+                      scene.fingerprint + "/{z}/{x}/{y}");
     info.set_texture(std::string{scene.texture->kind()});
     return write_json(tiles);
 }
