@@ -75,11 +75,14 @@ function facts_of({bytes, milliseconds, method, bound, problem, state}) {
     bytes !== undefined && format_bytes(bytes),
     milliseconds !== undefined && state === 'ready' && `${milliseconds < 10 ? milliseconds.toFixed(1) : Math.round(milliseconds)} ms`,
     method && method.replaceAll('_', ' '),
-    bound && (Number(bound) === 0 ? 'exact' : `± ${bound} codes`),
+    bound && bound_text(Number(bound)),
   ]
     .filter(Boolean)
     .join(' · ');
 }
+
+/** @param {number} codes The most by which a channel is wrong, in 8-bit codes. */
+const bound_text = (codes) => (codes === 0 ? 'exact' : codes < 0.01 ? 'within 0.01 code' : `within ${short_decimal(codes)} codes`);
 
 /** A bar as long as a round number of texels. */
 export class ScaleBar {

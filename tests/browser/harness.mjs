@@ -1,0 +1,134 @@
+// What every browser test needs: the real server on made scenes, Chromium, and the colours of a page's pixels.
+// The environment names the programs: see CMakeLists.txt.
+import assert from 'node:assert/strict';
+import {spawn} from 'node:child_process';
+import {once} from 'node:events';
+import {mkdir, mkdtemp, rm, writeFile} from 'node:fs/promises';
+import {createRequire} from 'node:module';
+import {tmpdir} from 'node:os';
+import path from 'node:path';
+import {createInterface} from 'node:readline';
+
+/** @param {string} name */
+function from_environment(name) {
+  const value = process.env[name];
+  assert.ok(value, `${name} is not set: run these tests with ctest -L browser`);
+  return value;
+}
+
+export const web_folder = from_environment('TESSERA_WEB');
+const {chromium} = createRequire(path.join(from_environment('TESSERA_NODE_MODULES'), 'index.js'))('playwright-core');
+
+export const clay = [180, 96, 61];
+export const light_square = [236, 230, 214];
+export const dark_square = [24, 60, 120];
+export const square_texels = 32;
+
+const color = ([red, green, blue]) => ({red, green, blue});
+const scenes = {
+  clay: {title: 'Fired clay', extent_log2_pages: 30, attribution: 'Made for a test', constant: {color: color(clay)}},
+  board: {
+    title: 'Draughts board',
+    extent_log2_pages: 20,
+    checker: {cell_texels: square_texels, first: color(light_square), second: color(dark_square)},
+  },
+  'four pages': {title: 'Four pages', extent_log2_pages: 1, constant: {color: color(dark_square)}},
+  torn: {title: 'Torn', colour: 'red'},
+};
+
+/** A folder of four scenes, of which `torn` is broken. */
+export async function make_scenes() {
+  const folder = await mkdtemp(path.join(tmpdir(), 'tessera-browser-'));
+  for (const [id, scene] of Object.entries(scenes)) {
+    await mkdir(path.join(folder, id));
+    await writeFile(path.join(folder, id, 'scene.json'), JSON.stringify(scene));
+  }
+  return {folder, remove: () => rm(folder, {recursive: true, force: true})};
+}
+
+/** `tessera serve`, ready when this returns. @param {string} folder Of scenes. @param {number} [port] 0: any. */
+export async function start_tessera(folder, port = 0) {
+  const options = ['serve', '--scenes', folder, '--listen', `127.0.0.1:${port}`, '--web', web_folder];
+  const server = spawn(from_environment('TESSERA_BINARY'), options, {stdio: ['ignore', 'pipe', 'inherit']});
+  const ended = once(server, 'exit');
+  const first_line = once(createInterface(server.stdout), 'line').then(([line]) => line);
+  const line = await Promise.race([first_line, ended.then(([code]) => `ended with code ${code}`)]);
+  const origin = line.match(/^tessera: listening on (http:\/\/127\.0\.0\.1:\d+)$/)?.[1];
+  assert.ok(origin, `tessera did not start: ${line}`);
+  const stop = async () => {
+    server.kill('SIGTERM');
+    await ended;
+  };
+  return {origin, port: Number(new URL(origin).port), stop};
+}
+
+const flags = [
+  '--headless=new', '--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking',
+  '--disable-component-update', '--disable-sync', '--force-color-profile=srgb',
+];
+
+/** Chromium, with a profile of its own. */
+export const open_browser = () => chromium.launch({executablePath: from_environment('CHROMIUM'), args: flags});
+
+/**
+ * A page that holds whatever went wrong on it: messages of the console, and requests to other hosts.
+ * @param {any} browser @param {string} address
+ */
+export async function open_page(browser, address, {width = 1280, height = 800} = {}) {
+  const context = await browser.newContext({viewport: {width, height}, reducedMotion: 'reduce'});
+  const page = await context.newPage();
+  /** @type {string[]} */
+  const complaints = [];
+  page.on('console', (message) => {
+    if (['error', 'warning'].includes(message.type())) complaints.push(`${message.type()}: ${message.text()}`);
+  });
+  page.on('pageerror', (error) => complaints.push(`exception: ${error.message}`));
+  page.on('request', (request) => {
+    const {hostname, protocol} = new URL(request.url());
+    if (protocol !== 'data:' && hostname !== '127.0.0.1') complaints.push(`asked ${request.url()}`);
+  });
+  await page.goto(address);
+  return {page, complaints, close: () => context.close()};
+}
+
+/** Waits until the viewer shows every page in view. */
+export async function all_pages_shown(page) {
+  await page.waitForSelector('.viewer[data-loading="0"]');
+  await page.waitForFunction(() => ['ready', 'cached'].includes(document.querySelector('.read-out')?.dataset.state));
+  await page.waitForTimeout(260); // pages fade in for 160 ms
+}
+
+/** A value of the read-out bar: level, x, y, page, state, facts. @param {any} page @param {string} name */
+export const read = (page, name) => page.textContent(`[data-read="${name}"]`);
+
+/** Waits for a value of the read-out bar. @param {any} page @param {string} name @param {string} value */
+export const wait_for_reading = (page, name, value) =>
+  page.waitForFunction(
+    ([name, value]) => document.querySelector(`[data-read="${name}"]`)?.textContent === value, [name, value], {timeout: 15000},
+  );
+
+/**
+ * Colours of pixels as the user sees them, out of a picture of the screen.
+ * @param {any} page @param {number[][]} points x and y, from the top-left corner
+ * @returns {Promise<number[][]>} Red, green and blue of each.
+ */
+export async function colours_at(page, points) {
+  const picture = (await page.screenshot()).toString('base64');
+  const darkroom = await page.context().newPage(); // the viewer's own policy forbids data: to its scripts
+  const colours = await darkroom.evaluate(
+    async ([picture, points]) => {
+      const bytes = Uint8Array.from(atob(picture), (letter) => letter.charCodeAt(0));
+      const bitmap = await createImageBitmap(new Blob([bytes], {type: 'image/png'}));
+      const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext('2d');
+      context.drawImage(bitmap, 0, 0);
+      return points.map(([x, y]) => [...context.getImageData(x, y, 1, 1).data].slice(0, 3));
+    },
+    [picture, points],
+  );
+  await darkroom.close();
+  return colours;
+}
+
+/** The colour of the checker's square that a texel of level 0 lies in. @param {number} x @param {number} y */
+export const square_at = (x, y) =>
+  (Math.floor(x / square_texels) + Math.floor(y / square_texels)) % 2 === 0 ? light_square : dark_square;

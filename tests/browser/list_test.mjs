@@ -1,0 +1,81 @@
+import assert from 'node:assert/strict';
+import {after, before, test} from 'node:test';
+
+import {clay, colours_at, make_scenes, open_browser, open_page, start_tessera} from './harness.mjs';
+
+let scenes, server, browser;
+before(async () => {
+  scenes = await make_scenes();
+  [server, browser] = await Promise.all([start_tessera(scenes.folder), open_browser()]);
+});
+after(async () => {
+  await browser?.close();
+  await server?.stop();
+  await scenes?.remove();
+});
+
+test('lists every scene with its kind, extent and attribution, and asks no other host', async () => {
+  const {page, complaints, close} = await open_page(browser, server.origin);
+  const cards = await page.locator('.card').allInnerTexts();
+  await page.waitForSelector('.card');
+  assert.equal(await page.locator('.card').count(), 3, String(cards));
+  const clay_card = await page.locator('.card', {hasText: 'Fired clay'}).innerText();
+  assert.match(clay_card, /Constant colour/);
+  assert.match(clay_card, /274,877,906,944 × 274,877,906,944 texels/);
+  assert.match(clay_card, /0 to 30/);
+  assert.match(clay_card, /Made for a test/);
+  await page.waitForTimeout(300);
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('shows live texels of a scene on its card', async () => {
+  const {page, close} = await open_page(browser, server.origin);
+  const thumbnail = page.locator('.card', {hasText: 'Fired clay'}).locator('canvas.drawn');
+  await thumbnail.waitFor();
+  await page.waitForTimeout(400); // it fades in
+  const {x, y, width, height} = await thumbnail.boundingBox();
+  const points = [[0.2, 0.2], [0.5, 0.5], [0.8, 0.8]].map(([u, v]) => [Math.round(x + u * width), Math.round(y + v * height)]);
+  for (const colour of await colours_at(page, points)) assert.deepEqual(colour, clay);
+  await close();
+});
+
+test('shows a broken scene with what is wrong with it', async () => {
+  const {page, close} = await open_page(browser, server.origin);
+  const broken = page.locator('.broken li');
+  await broken.waitFor();
+  assert.equal(await broken.count(), 1);
+  assert.match(await broken.innerText(), /torn/);
+  assert.match(await broken.innerText(), /colour/, 'the problem names the field');
+  await close();
+});
+
+test('opens a scene from its card by keyboard, and goes back to the list', async () => {
+  const {page, complaints, close} = await open_page(browser, server.origin);
+  await page.locator('.card a', {hasText: 'Draughts board'}).focus();
+  await page.keyboard.press('Enter');
+  await page.waitForSelector('.viewer');
+  assert.equal(await page.locator('.place h1').innerText(), 'Draughts board');
+  await page.waitForFunction(() => location.hash.split('/').length === 4);
+  await page.goBack();
+  await page.waitForSelector('.card');
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
+test('says that a scene is unknown, and leads back to the list', async () => {
+  const {page, close} = await open_page(browser, `${server.origin}/#marble/3/10/10`);
+  await page.getByRole('heading', {name: 'There is no scene called “marble”'}).waitFor();
+  await page.getByRole('button', {name: 'All scenes'}).click();
+  await page.waitForSelector('.card');
+  await close();
+});
+
+test('shows a scene whose name has a blank in it', async () => {
+  const {page, complaints, close} = await open_page(browser, server.origin);
+  await page.locator('.card a', {hasText: 'Four pages'}).click();
+  await page.waitForSelector('.viewer[data-loading="0"]');
+  assert.match(new URL(page.url()).hash, /^#four%20pages\/1\/256\/256$/);
+  assert.deepEqual(complaints, []);
+  await close();
+});

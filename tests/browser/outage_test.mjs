@@ -1,0 +1,48 @@
+import assert from 'node:assert/strict';
+import {after, before, test} from 'node:test';
+
+import {all_pages_shown, clay, colours_at, make_scenes, open_browser, open_page, start_tessera, wait_for_reading} from './harness.mjs';
+
+let scenes, browser;
+before(async () => {
+  [scenes, browser] = await Promise.all([make_scenes(), open_browser()]);
+});
+after(async () => {
+  await browser?.close();
+  await scenes?.remove();
+});
+
+test('a server that stops is told of, and its pages come as soon as it is back', async (t) => {
+  let server = await start_tessera(scenes.folder);
+  t.after(() => server.stop());
+  const {page, close} = await open_page(browser, `${server.origin}/#clay/4/60000000/60000000`);
+  await all_pages_shown(page);
+
+  await server.stop();
+  await page.keyboard.press('t');
+  await page.keyboard.type('90000000 90000000');
+  await page.keyboard.press('Enter');
+  const banner = page.getByRole('alert').filter({hasText: 'The server is not answering'});
+  await banner.waitFor();
+
+  server = await start_tessera(scenes.folder, server.port);
+  await page.getByRole('button', {name: 'Try now'}).click();
+  await banner.waitFor({state: 'hidden'});
+  await wait_for_reading(page, 'x', '90,000,000');
+  await all_pages_shown(page);
+  assert.deepEqual((await colours_at(page, [[640, 400]]))[0], clay);
+  await close();
+});
+
+test('the list waits for a server that is away, and shows its scenes by itself when it is back', async (t) => {
+  let server = await start_tessera(scenes.folder);
+  t.after(() => server.stop());
+  const {page, close} = await open_page(browser, `${server.origin}/#clay/4/60000000/60000000`);
+  await all_pages_shown(page);
+  await server.stop();
+  await page.keyboard.press('l');
+  await page.getByRole('heading', {name: 'The server is not answering'}).waitFor();
+  server = await start_tessera(scenes.folder, server.port);
+  await page.waitForSelector('.card', {timeout: 20000});
+  await close();
+});
