@@ -1,0 +1,53 @@
+#include "server/texture/typed_quadtree.h"
+
+#include <gtest/gtest.h>
+
+namespace tessera {
+namespace {
+
+TEST(TypedQuadtree, ANodeHasOneTypeWhateverRectangleAsksForIt) {
+    const TypedQuadtree tree{7, 256};
+    for (const std::int64_t origin : {std::int64_t{0}, std::int64_t{-1000}, std::int64_t{1} << 34})
+        for (const int height : {0, 1, 5, 20}) {
+            const TypeGrid whole = tree.types_of(height, origin - 20, origin + 3, 60, 50);
+            const TypeGrid part = tree.types_of(height, origin + 1, origin + 10, 7, 9);
+            for (std::int64_t y = origin + 10; y < origin + 19; ++y)
+                for (std::int64_t x = origin + 1; x < origin + 8; ++x)
+                    ASSERT_EQ(whole.at(x, y), part.at(x, y));
+        }
+}
+
+TEST(TypedQuadtree, AParentDecidesItsChildren) {
+    const TypedQuadtree tree{7, 1024};
+    for (const int height : {1, 4, 30}) {
+        const TypeGrid parents = tree.types_of(height, -9, -9, 18, 18);
+        const TypeGrid children = tree.types_of(height - 1, -18, -18, 36, 36);
+        for (std::int64_t y = -9; y < 9; ++y)
+            for (std::int64_t x = -9; x < 9; ++x)
+                for (std::size_t c = 0; c < 4; ++c)
+                    ASSERT_EQ(children.at(2 * x + std::int64_t(c % 2), 2 * y + std::int64_t(c / 2)),
+                              tree.children(height, parents.at(x, y))[c]);
+    }
+}
+
+TEST(TypedQuadtree, EveryTypeIsAChildEquallyOftenAtEveryHeight) {
+    const TypedQuadtree tree{3, 128};
+    for (int height = 1; height <= TypedQuadtree::root_height; ++height) {
+        std::vector<int> counts(128);
+        for (std::uint16_t type = 0; type < 128; ++type)
+            for (const std::uint16_t child : tree.children(height, type)) ++counts[child];
+        for (const int count : counts) ASSERT_EQ(count, 4);
+    }
+}
+
+TEST(TypedQuadtree, AnotherSeedIsAnotherTree) {
+    const TypeGrid a = TypedQuadtree{1, 4096}.types_of(0, 0, 0, 64, 64),
+                   b = TypedQuadtree{2, 4096}.types_of(0, 0, 0, 64, 64);
+    int equal = 0;
+    for (std::int64_t y = 0; y < 64; ++y)
+        for (std::int64_t x = 0; x < 64; ++x) equal += a.at(x, y) == b.at(x, y);
+    EXPECT_LT(equal, 64);
+}
+
+}  // namespace
+}  // namespace tessera

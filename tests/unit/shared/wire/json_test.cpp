@@ -1,0 +1,39 @@
+#include "shared/wire/json.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "proto/scene.pb.h"
+
+namespace tessera {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(Json, AnUnknownFieldIsAnErrorThatNamesItAndTheFile) {
+    proto::Scene scene;
+    const auto read = read_json(R"({"checker": {"cell_texel": 3}})", "board/scene.json", scene);
+    ASSERT_FALSE(read.has_value());
+    EXPECT_EQ(read.error().code, ErrorCode::invalid_input);
+    EXPECT_THAT(read.error().detail, HasSubstr("board/scene.json"));
+    EXPECT_THAT(read.error().detail, HasSubstr("cell_texel"));
+    EXPECT_TRUE(read_json_leniently(R"({"checker": {"cell_texel": 3}})", "x", scene).has_value());
+}
+
+TEST(Json, AWrongTypeIsAnErrorThatNamesTheField) {
+    proto::Scene scene;
+    const auto read = read_json(R"({"extent_log2_pages": "many"})", "scene.json", scene);
+    ASSERT_FALSE(read.has_value());
+    EXPECT_THAT(read.error().detail, HasSubstr("extent_log2_pages"));
+}
+
+TEST(Json, WhatIsWrittenIsReadBack) {
+    proto::Scene scene, again;
+    scene.set_title("Größe \"8\"");
+    scene.mutable_content_exchange()->set_seed(1ull << 63);
+    ASSERT_TRUE(read_json(write_json(scene), "scene.json", again).has_value());
+    EXPECT_EQ(scene.SerializeAsString(), again.SerializeAsString());
+}
+
+}  // namespace
+}  // namespace tessera
