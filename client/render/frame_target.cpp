@@ -24,14 +24,14 @@ void FrameTarget::blit_to_window() const {
                            GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
 
-Rgba8Image FrameTarget::read() const {
-    Rgba8Image image{width_, height_};
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_.name());
+Rgba8Image read_framebuffer(GLuint framebuffer, int width, int height) {
+    Rgba8Image image{width, height};
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer);
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
-    glReadPixels(0, 0, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE, image.bytes.data());
-    const auto row_bytes = static_cast<std::ptrdiff_t>(width_) * 4;  // GL counts rows from the bottom
-    for (int y = 0; y < height_ / 2; ++y)
-        std::swap_ranges(image.row(y), image.row(y) + row_bytes, image.row(height_ - 1 - y));
+    glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, image.bytes.data());
+    const auto row_bytes = static_cast<std::ptrdiff_t>(width) * 4;  // GL counts rows from the bottom
+    for (int y = 0; y < height / 2; ++y)
+        std::swap_ranges(image.row(y), image.row(y) + row_bytes, image.row(height - 1 - y));
     return image;
 }
 

@@ -5,6 +5,9 @@
 
 namespace tessera {
 
+/// Waits for a framebuffer's picture (0: the window's own); rows from the top.
+Rgba8Image read_framebuffer(GLuint framebuffer, int width, int height);
+
 /// What every frame is drawn into, with or without a window: RGBA, 8 bits a channel, coded for display.
 class FrameTarget {
   public:
@@ -15,7 +18,7 @@ class FrameTarget {
     /// Copies the picture to the window's framebuffer, which has the same size.
     void blit_to_window() const;
     /// Waits for the picture; rows from the top.
-    Rgba8Image read() const;
+    Rgba8Image read() const { return read_framebuffer(framebuffer_.name(), width_, height_); }
 
     int width() const { return width_; }
     int height() const { return height_; }

@@ -1,0 +1,178 @@
+#include "client/view/headless_run.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <thread>
+#include <vector>
+
+#include <xxhash.h>
+
+#include "client/render/gl_context.h"
+#include "client/view/png_file.h"
+#include "shared/wire/json.h"
+
+namespace tessera {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double milliseconds_since(Clock::time_point begin) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
+std::string hash_of(const Rgba8Image& image) {
+    char text[17];
+    std::snprintf(text, sizeof text, "%016llx",
+                  static_cast<unsigned long long>(XXH64(image.bytes.data(), image.bytes.size(), 0)));
+    return text;
+}
+
+/// One run: the frames one after the other, and what they cost.
+class Run {
+  public:
+    Run(const HeadlessJob& job, PlaneScene& scene, const std::function<void(std::chrono::milliseconds)>& wait)
+        : job_{job}, scene_{scene}, wait_{wait}, target_{job.width, job.height} {}
+
+    Result<view::RunMetrics> all_frames() {
+        begin_ = Clock::now();
+        for (int i = 0; i < job_.frames; ++i) {
+            if (const auto done = one_frame(i); !done) return done.error();
+        }
+        if (!job_.settle) {
+            const auto stopped = Clock::now();
+            const PlaneView view{job_.path.at(job_.path.end_seconds()), job_.width, job_.height};
+            view::FrameMetrics after;
+            if (const auto sharp = until_sharp(view, after); !sharp) return sharp.error();
+            metrics_.mutable_totals()->set_time_to_sharp_ms(milliseconds_since(stopped));
+        }
+        sum_up();
+        return std::move(metrics_);
+    }
+
+  private:
+    ClientTime now() const {
+        return std::chrono::duration_cast<ClientTime>(Clock::now() - begin_) + ClientTime{1};
+    }
+
+    ResidencyFrame update(const PlaneView& view, view::FrameMetrics& frame) {
+        const auto started = Clock::now();
+        const auto requested = scene_.residency().requests().counts().requested;
+        ResidencyFrame outcome = scene_.update(view, now());
+        frame.set_requests(
+            frame.requests() +
+            static_cast<std::uint32_t>(scene_.residency().requests().counts().requested - requested));
+        frame.set_uploads(frame.uploads() + static_cast<std::uint32_t>(outcome.uploads.size()));
+        frame.set_update_ms(frame.update_ms() + milliseconds_since(started));
+        return outcome;
+    }
+
+    Result<void> until_sharp(const PlaneView& view, view::FrameMetrics& frame) {
+        auto last_arrival = Clock::now();
+        for (ResidencyFrame outcome = update(view, frame); !outcome.is_sharp();
+             outcome = update(view, frame)) {
+            if (!outcome.uploads.empty()) last_arrival = Clock::now();
+            const PageRequests& requests = scene_.residency().requests();
+            if (Clock::now() - last_arrival > job_.patience) {
+                return Error{ErrorCode::io_failure,
+                             std::to_string(outcome.missing) + " pages did not come within " +
+                                 std::to_string(job_.patience.count() / 1000) + " s" +
+                                 (requests.problem().empty() ? "" : ": " + requests.problem())};
+            }
+            // An arrival ends the wait; a back-off ends by itself
+            wait_(std::chrono::milliseconds{requests.in_flight() > 0 ? 20 : 5});
+            if (requests.in_flight() == 0) std::this_thread::sleep_for(std::chrono::milliseconds{2});
+        }
+        return {};
+    }
+
+    Result<void> one_frame(int index) {
+        const double begin = job_.path.begin_seconds(), end = job_.path.end_seconds();
+        const double time = job_.frames == 1 ? begin : begin + (end - begin) * index / (job_.frames - 1);
+        if (!job_.settle) std::this_thread::sleep_until(begin_ + std::chrono::duration<double>(time - begin));
+        const auto started = Clock::now();
+        const PlaneView view{job_.path.at(time), job_.width, job_.height};
+        view::FrameMetrics& frame = *metrics_.add_frames();
+        const ResidencyFrame first = update(view, frame);
+        frame.set_time(time);
+        frame.set_needed_pages(static_cast<std::uint32_t>(first.needed));
+        frame.set_missing_pages(static_cast<std::uint32_t>(first.missing));
+        frame.set_mip_deficit(first.mip_deficit);
+        frame.set_resident_share(first.resident_share);
+        frame.set_lod_bias(first.lod_bias);
+        if (job_.settle) {
+            if (const auto sharp = until_sharp(view, frame); !sharp)
+                return Error{sharp.error().code,
+                             "frame " + std::to_string(index) + ": " + sharp.error().detail};
+            frame.set_time_to_sharp_ms(milliseconds_since(started));
+        }
+        const auto drawing = Clock::now();
+        scene_.draw(target_, view, {.fade_ms = job_.settle ? 0.0F : 150.0F});
+        const Rgba8Image image = target_.read();
+        frame.set_draw_ms(milliseconds_since(drawing));
+        char name[32];
+        std::snprintf(name, sizeof name, "frame_%04d.png", index);
+        frame.set_file(name);
+        frame.set_hash(hash_of(image));
+        return write_png(job_.folder / name, image);
+    }
+
+    void sum_up() {
+        const RequestCounts& counts = scene_.residency().requests().counts();
+        view::Totals& totals = *metrics_.mutable_totals();
+        metrics_.set_renderer(gl_description());
+        metrics_.set_width(static_cast<std::uint32_t>(job_.width));
+        metrics_.set_height(static_cast<std::uint32_t>(job_.height));
+        metrics_.set_settled(job_.settle);
+        totals.set_frames(static_cast<std::uint32_t>(metrics_.frames_size()));
+        totals.set_seconds(milliseconds_since(begin_) / 1000);
+        totals.set_requests(static_cast<std::uint32_t>(counts.requested));
+        totals.set_arrived(static_cast<std::uint32_t>(counts.arrived));
+        totals.set_cancelled(static_cast<std::uint32_t>(counts.cancelled));
+        totals.set_failed(static_cast<std::uint32_t>(counts.failed));
+        totals.set_evictions(static_cast<std::uint32_t>(scene_.residency().cache().evictions()));
+        std::vector<double> costs;
+        double deficit = 0, share = 0;
+        for (const view::FrameMetrics& frame : metrics_.frames()) {
+            totals.set_uploads(totals.uploads() + frame.uploads());
+            if (job_.settle)
+                totals.set_time_to_sharp_ms(std::max(totals.time_to_sharp_ms(), frame.time_to_sharp_ms()));
+            costs.push_back(frame.update_ms() + frame.draw_ms());
+            deficit += frame.mip_deficit();
+            share += frame.resident_share();
+        }
+        std::ranges::sort(costs);
+        totals.set_mean_mip_deficit(deficit / job_.frames);
+        totals.set_mean_resident_share(share / job_.frames);
+        totals.set_frame_ms_median(costs[costs.size() / 2]);
+        totals.set_frame_ms_worst(costs.back());
+    }
+
+    const HeadlessJob& job_;
+    PlaneScene& scene_;
+    const std::function<void(std::chrono::milliseconds)>& wait_;
+    FrameTarget target_;
+    Clock::time_point begin_;
+    view::RunMetrics metrics_;
+};
+
+}  // namespace
+
+Result<view::RunMetrics> run_headless(const HeadlessJob& job, PlaneScene& scene,
+                                      const std::function<void(std::chrono::milliseconds)>& wait) {
+    std::error_code failed;
+    std::filesystem::create_directories(job.folder, failed);
+    if (failed)
+        return Error{ErrorCode::io_failure, job.folder.string() + ": cannot be made: " + failed.message()};
+    return Run{job, scene, wait}.all_frames();
+}
+
+Result<void> write_metrics(const HeadlessJob& job, const view::RunMetrics& metrics) {
+    const auto file = job.folder / "metrics.json";
+    std::ofstream stream{file, std::ios::binary};
+    stream << write_json(metrics) << std::flush;
+    if (stream) return {};
+    return Error{ErrorCode::io_failure, file.string() + ": cannot be written"};
+}
+
+}  // namespace tessera

@@ -1,0 +1,56 @@
+#include "client/view/http_page_source.h"
+
+#include <algorithm>
+
+namespace tessera {
+namespace {
+
+PageClientSettings client_settings(std::size_t connections) {
+    PageClientSettings settings;
+    settings.connections = connections;
+    settings.attempts = 2;  // residency backs off by itself, and asks for what is wanted by then
+    return settings;
+}
+
+}  // namespace
+
+HttpPageSource::HttpPageSource(const ServerAddress& server, const SceneInfo& scene, std::size_t connections)
+    : client_{server, scene, client_settings(connections)} {}
+
+bool HttpPageSource::request(PageKey page) {
+    const auto id = client_.request(page, {.format = FetchFormat::rgba, .gutter = gutter_texels});
+    if (!id) return false;
+    ids_[page] = *id;
+    return true;
+}
+
+void HttpPageSource::cancel(PageKey page) {
+    if (const auto found = ids_.find(page); found != ids_.end()) client_.cancel(found->second);
+}
+
+std::vector<ArrivedPage> HttpPageSource::take_arrived(std::size_t most) {
+    std::vector<ArrivedPage> arrived;
+    for (FinishedPage& finished : client_.take_finished(most)) {
+        ids_.erase(finished.page);
+        if (finished.result)
+            arrived.push_back({finished.page, std::move(finished.result->bytes)});
+        else
+            arrived.push_back({finished.page, finished.result.error()});
+    }
+    return arrived;
+}
+
+void HttpPageSource::wait(std::chrono::milliseconds timeout) { client_.wait_for_finished(timeout); }
+
+Result<void> check_scene(const SceneInfo& scene) {
+    if (scene.max_gutter < gutter_texels)
+        return Error{ErrorCode::invalid_input, "scene " + scene.id + ": the server gives a gutter of " +
+                                                   std::to_string(scene.max_gutter) + " texels, and " +
+                                                   std::to_string(gutter_texels) + " are needed"};
+    if (std::ranges::find(scene.formats, "rgba") == scene.formats.end())
+        return Error{ErrorCode::invalid_input,
+                     "scene " + scene.id + ": the server gives no raw (rgba) pages"};
+    return {};
+}
+
+}  // namespace tessera

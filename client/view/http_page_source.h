@@ -1,0 +1,33 @@
+#pragma once
+
+#include <chrono>
+#include <unordered_map>
+
+#include "client/link/background_page_client.h"
+#include "client/residency/page_source.h"
+
+namespace tessera {
+
+/// The pages of a scene over HTTP, raw, with the gutter the cache needs.
+class HttpPageSource : public PageSource {
+  public:
+    /// `scene` gives raw pages with a gutter of gutter_texels; see check_scene().
+    HttpPageSource(const ServerAddress& server, const SceneInfo& scene, std::size_t connections);
+
+    bool request(PageKey page) override;
+    void cancel(PageKey page) override;
+    std::vector<ArrivedPage> take_arrived(std::size_t most) override;
+
+    /// Waits for an arrival, at most so long.
+    void wait(std::chrono::milliseconds timeout);
+    std::uint64_t bytes_received() const { return client_.statistics().bytes_received; }
+
+  private:
+    BackgroundPageClient client_;
+    std::unordered_map<PageKey, RequestId> ids_;
+};
+
+/// Whether the server gives what this client needs. Error: invalid_input.
+Result<void> check_scene(const SceneInfo& scene);
+
+}  // namespace tessera

@@ -1,0 +1,76 @@
+// tessera-view: the GL client.
+#include <algorithm>
+#include <cstdio>
+
+#include "client/render/gl_context.h"
+#include "client/view/headless_run.h"
+#include "client/view/http_page_source.h"
+#include "client/view/options.h"
+#include "client/view/viewer_window.h"
+
+namespace tessera {
+namespace {
+
+ResidencySettings residency_settings(const Options& options) {
+    ResidencySettings settings;
+    settings.slots = options.cache_pages;
+    settings.window_side = window_side_for(options.width);
+    settings.requests.in_flight = options.in_flight;
+    return settings;
+}
+
+Result<CameraPath> camera_path(const Options& options, Extent extent) {
+    if (options.camera.empty()) return CameraPath{first_camera(extent)};
+    return CameraPath::read(options.camera, extent);
+}
+
+Result<void> draw_headless(const Options& options, const SceneInfo& info, const CameraPath& path,
+                           HttpPageSource& source) {
+    const auto context = make_headless_context();
+    if (!context) return context.error();
+    if (const auto checked = check_gl_version(); !checked) return checked.error();
+    auto scene = PlaneScene::make(info.extent, source, residency_settings(options));
+    if (!scene) return scene.error();
+    const HeadlessJob job{.path = path,
+                          .frames = options.frames,
+                          .width = options.width,
+                          .height = options.height,
+                          .settle = options.settle,
+                          .folder = options.output};
+    auto metrics = run_headless(job, **scene, [&](auto timeout) { source.wait(timeout); });
+    if (!metrics) return metrics.error();
+    metrics->set_scene(info.id);
+    metrics->mutable_totals()->set_megabytes_received(static_cast<double>(source.bytes_received()) / 1e6);
+    if (const auto written = write_metrics(job, *metrics); !written) return written.error();
+    std::printf("tessera-view: %d frames of %dx%d in %s, %.2f s; %u pages, %.1f MB\n", options.frames,
+                options.width, options.height, options.output.c_str(), metrics->totals().seconds(),
+                metrics->totals().arrived(), metrics->totals().megabytes_received());
+    return {};
+}
+
+Result<void> run(const Options& options) {
+    const auto server = parse_server_address(options.url);
+    if (!server) return server.error();
+    const auto info = read_scene_info(*server, options.scene);
+    if (!info) return info.error();
+    if (const auto checked = check_scene(*info); !checked) return checked.error();
+    const auto path = camera_path(options, info->extent);
+    if (!path) return path.error();
+    HttpPageSource source{*server, *info, std::min<std::size_t>(options.in_flight, 8)};
+    if (options.headless) return draw_headless(options, *info, *path, source);
+    return run_window(options, *info, *server, path->at(path->begin_seconds()), source);
+}
+
+}  // namespace
+}  // namespace tessera
+
+int main(int argc, char** argv) {
+    tessera::Options options;
+    int exit_code = 0;
+    if (!tessera::read_options(argc, argv, options, exit_code)) return exit_code;
+    if (const auto done = tessera::run(options); !done) {
+        std::fprintf(stderr, "tessera-view: %s\n", done.error().detail.c_str());
+        return 1;
+    }
+    return 0;
+}

@@ -1,0 +1,81 @@
+#include "client/view/options.h"
+
+#include <CLI/CLI.hpp>
+
+namespace tessera {
+namespace {
+
+constexpr const char* after_help = R"(In the window:
+  drag           moves the plane          right drag     turns the head
+  middle drag    orbits the centre        wheel          zooms to the cursor
+  W A S D        fly (Shift: faster)      Q E            down, up
+  H              all keys
+
+Examples:
+  tessera-view http://127.0.0.1:7070 pebbles
+  tessera-view http://127.0.0.1:7070 pebbles --headless --frames 60 --camera path.json -o frames
+
+Without a display (--headless) an off-screen OpenGL context is used (EGL, surfaceless): it needs no X server, and on
+a machine with no GPU Mesa's software rasteriser draws. frame_0000.png … and metrics.json are written. A camera path:
+  {"keys": [{"time": 0, "x": "137438953472", "y": 5000, "x_fraction": 0.5, "height": 900, "yaw": 30, "pitch": -35},
+            {"time": 4, "x": "137438955000", "y": 5000, "height": 300, "yaw": 60, "pitch": -20}]}
+Times in seconds, positions and height in texels of level 0, angles in degrees; K in the window prints such a key.
+)";
+
+std::string read_size(const std::string& text, Options& options) {
+    int used = 0;
+    if (std::sscanf(text.c_str(), "%dx%d%n", &options.width, &options.height, &used) != 2 ||
+        static_cast<std::size_t>(used) != text.size() || options.width < 16 || options.height < 16 ||
+        options.width > 8192 || options.height > 8192)
+        return "--size must be WIDTHxHEIGHT in pixels, 16 to 8192 each, as in 800x700";
+    return {};
+}
+
+}  // namespace
+
+bool read_options(int argc, const char* const* argv, Options& options, int& exit_code) {
+    CLI::App app{
+        "Flies over a virtual texture of a Tessera server: a plane seen in perspective under a free camera."};
+    app.footer(after_help);
+    app.set_version_flag("--version", std::string{"tessera-view "} + TESSERA_VERSION);
+    std::string size;
+    app.add_option("URL", options.url, "The server, as in http://127.0.0.1:7070")->required();
+    app.add_option("SCENE", options.scene, "The scene's id; the server lists them at URL/scenes")->required();
+    app.add_option("--camera", options.camera,
+                   "A camera path (JSON): replayed with --headless, else where to begin");
+    app.add_option("-o,--output", options.output, "Folder for frames, metrics.json and screenshots");
+    app.add_option("--frames", options.frames,
+                   "Frames to draw, evenly over the camera path; a window then closes")
+        ->check(CLI::Range(1, 100'000));
+    app.add_option("--size", size, "WIDTHxHEIGHT in pixels [800x700; window 1280x800]");
+    app.add_flag("--headless", options.headless,
+                 "No window: write frames and metrics.json into the output folder");
+    app.add_flag("--settle,!--free-run", options.settle,
+                 "Each headless frame waits until every page it needs is there (the default); "
+                 "--free-run keeps to the clock instead");
+    app.add_option("--cache-pages", options.cache_pages, "Pages kept on the GPU, 279 KB each")
+        ->capture_default_str()
+        ->check(CLI::Range(64, 2048));
+    app.add_option("--in-flight", options.in_flight, "Pages asked for at once")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 64));
+    try {
+        app.parse(argc, argv);
+        if (!size.empty())
+            if (const std::string wrong = read_size(size, options); !wrong.empty())
+                throw CLI::ValidationError{wrong};
+        if (options.headless && options.output.empty())
+            throw CLI::ValidationError{"--headless needs -o FOLDER, where the frames go"};
+    } catch (const CLI::ParseError& error) {
+        exit_code = app.exit(error) == 0 ? 0 : 2;
+        return false;
+    }
+    if (options.width == 0) {
+        options.width = options.headless ? 800 : 1280;
+        options.height = options.headless ? 700 : 800;
+    }
+    if (options.headless && options.frames == 0) options.frames = 1;
+    return true;
+}
+
+}  // namespace tessera

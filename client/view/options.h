@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+
+namespace tessera {
+
+/// The command line of `tessera-view`.
+struct Options {
+    std::string url;    ///< http://host:port
+    std::string scene;  ///< The scene's id
+    int width = 0;      ///< Pixels of the frames, or of the window; 0: 800×700, or 1280×800
+    int height = 0;
+    std::filesystem::path camera;  ///< A camera path; empty: a first view of the scene
+    std::filesystem::path output;  ///< Folder for frames and screenshots
+    int frames = 0;                ///< Frames to draw; 0: one, or until the window is closed
+    bool headless = false;
+    bool settle = true;
+    std::size_t cache_pages = 512;  ///< See ResidencySettings::slots
+    std::size_t in_flight = 12;     ///< See RequestLimits::in_flight
+};
+
+/// Reads the command line. Returns false after it has printed help, the version or what is wrong; `exit_code`
+/// is then the program's.
+bool read_options(int argc, const char* const* argv, Options& options, int& exit_code);
+
+}  // namespace tessera

@@ -1,0 +1,36 @@
+#include "client/view/viewer_state.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tessera {
+
+std::optional<CursorReading> read_cursor(const PlaneView& view, const Residency& residency, double lod_bias,
+                                         double x, double y) {
+    const auto ground = view.ground_at(x, y);
+    const Extent extent = residency.extent();
+    const auto side = static_cast<double>(extent.side_texels());
+    if (!ground || std::abs(ground->x) > side || std::abs(ground->y) > side) return std::nullopt;
+    CursorReading reading;
+    reading.texel = view.camera().ground.moved(ground->x, ground->y);
+    const TexelPoint& at = reading.texel;
+    if (at.x < 0 || at.y < 0 || at.x >= extent.side_texels() || at.y >= extent.side_texels())
+        return std::nullopt;
+    reading.level = std::clamp(view.level_at(x, y) + lod_bias, 0.0, static_cast<double>(extent.n));
+    const auto level = static_cast<std::uint8_t>(std::floor(reading.level + 0.5));
+    reading.page = {level, static_cast<std::uint32_t>(at.x >> (8 + level)),
+                    static_cast<std::uint32_t>(at.y >> (8 + level))};
+    reading.shown = residency.table().shown_for(reading.page);
+    reading.under_way = residency.requests().is_under_way(reading.page);
+    return reading;
+}
+
+std::string page_state(const CursorReading& reading) {
+    const char* coming = reading.under_way ? ", on its way" : "";
+    if (!reading.shown) return std::string{"nothing yet"} + coming;
+    const int missing = reading.shown->level - reading.page.level;
+    if (missing == 0) return "sharp";
+    return std::to_string(missing) + (missing == 1 ? " level coarser" : " levels coarser") + coming;
+}
+
+}  // namespace tessera

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "client/residency/residency.h"
+#include "client/view/camera_control.h"
+
+namespace tessera {
+
+/// What the hands can switch.
+struct ViewerSwitches {
+    bool panel = true;
+    bool help = false;
+    bool page_borders = false;
+    bool haze = true;
+    bool fade = true;
+    bool vsync = true;
+};
+
+/// The last frames' times.
+class FrameTimes {
+  public:
+    void add(double milliseconds) {
+        times_[count_ % times_.size()] = static_cast<float>(milliseconds);
+        ++count_;
+    }
+    const std::array<float, 120>& values() const { return times_; }
+    int oldest() const { return static_cast<int>(count_ % times_.size()); }
+    double mean_milliseconds() const {
+        const std::size_t known = count_ < times_.size() ? count_ : times_.size();
+        double sum = 0;
+        for (std::size_t i = 0; i < known; ++i) sum += static_cast<double>(times_[i]);
+        return known == 0 ? 0 : sum / static_cast<double>(known);
+    }
+
+  private:
+    std::array<float, 120> times_{};
+    std::size_t count_ = 0;
+};
+
+/// What lies under the cursor.
+struct CursorReading {
+    TexelPoint texel{};
+    double level = 0;  ///< As filtered: fractional, 0 to n
+    PageKey page;      ///< Of the nearest level
+    std::optional<ShownPage> shown;
+    bool under_way = false;
+};
+
+/// Nothing if the cursor is on the sky or beyond the extent.
+std::optional<CursorReading> read_cursor(const PlaneView& view, const Residency& residency, double lod_bias,
+                                         double x, double y);
+
+/// "sharp", "2 levels coarser, on its way", …
+std::string page_state(const CursorReading& reading);
+
+}  // namespace tessera

@@ -1,0 +1,119 @@
+#include "client/view/window_input.h"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <imgui.h>
+
+namespace tessera {
+namespace {
+
+constexpr double orbit_degrees_per_pixel = 0.25;
+constexpr double zoom_steps_per_second = 7;  ///< While + or − is held
+
+}  // namespace
+
+WindowInput::WindowInput(GlfwWindow& window, CameraControl& control, const Camera& home)
+    : window_{window}, control_{control}, home_{home} {}
+
+WindowInput::Pixels WindowInput::cursor_pixels() const {
+    double x = 0, y = 0;
+    glfwGetCursorPos(window_.handle(), &x, &y);
+    int width = 1, height = 1;
+    glfwGetWindowSize(window_.handle(), &width, &height);
+    const GlfwWindow::Size pixels = window_.framebuffer_size();
+    return {x * pixels.width / std::max(width, 1), y * pixels.height / std::max(height, 1)};
+}
+
+bool WindowInput::is_down(int key) const { return glfwGetKey(window_.handle(), key) == GLFW_PRESS; }
+
+void WindowInput::advance(double seconds, ViewerSwitches& switches) {
+    mouse();
+    const bool typing = ImGui::GetIO().WantTextInput;
+    if (!typing) keys(switches);
+    if (!typing && (is_down(GLFW_KEY_EQUAL) || is_down(GLFW_KEY_KP_ADD) || is_down(GLFW_KEY_MINUS) ||
+                    is_down(GLFW_KEY_KP_SUBTRACT))) {
+        const bool nearer = is_down(GLFW_KEY_EQUAL) || is_down(GLFW_KEY_KP_ADD);
+        const GlfwWindow::Size size = window_.framebuffer_size();
+        control_.zoom_at(size.width, size.height, last_cursor_.x, last_cursor_.y,
+                         (nearer ? 1 : -1) * zoom_steps_per_second * seconds);
+    }
+    control_.advance(seconds, typing ? CameraControl::Steering{} : steering());
+}
+
+void WindowInput::mouse() {
+    const ImGuiIO& io = ImGui::GetIO();
+    const GlfwWindow::Size size = window_.framebuffer_size();
+    const Pixels cursor = cursor_pixels(), last = last_cursor_;
+    last_cursor_ = cursor;
+    if (!io.WantCaptureMouse && io.MouseWheel != 0)
+        control_.zoom_at(size.width, size.height, cursor.x, cursor.y, static_cast<double>(io.MouseWheel));
+
+    if (dragging_ >= 0 && glfwGetMouseButton(window_.handle(), dragging_) != GLFW_PRESS) dragging_ = -1;
+    for (const int button : {GLFW_MOUSE_BUTTON_LEFT, GLFW_MOUSE_BUTTON_RIGHT, GLFW_MOUSE_BUTTON_MIDDLE}) {
+        if (dragging_ >= 0 || io.WantCaptureMouse) break;
+        if (glfwGetMouseButton(window_.handle(), button) == GLFW_PRESS) {
+            dragging_ = button;
+            return;
+        }
+    }
+    if (dragging_ < 0 || (cursor.x == last.x && cursor.y == last.y)) return;
+    const double across = cursor.x - last.x, down = cursor.y - last.y;
+    const bool orbiting = dragging_ == GLFW_MOUSE_BUTTON_MIDDLE ||
+                          (dragging_ == GLFW_MOUSE_BUTTON_LEFT && is_down(GLFW_KEY_LEFT_CONTROL));
+    if (orbiting) {
+        control_.orbit(across * orbit_degrees_per_pixel, -down * orbit_degrees_per_pixel);
+    } else if (dragging_ == GLFW_MOUSE_BUTTON_LEFT) {
+        control_.drag_plane(size.width, size.height, last.x, last.y, cursor.x, cursor.y);
+    } else {
+        const double degrees = control_.camera().field_of_view_degrees / size.height;
+        control_.look(-across * degrees, down * degrees);
+    }
+}
+
+CameraControl::Steering WindowInput::steering() const {
+    const auto axis = [&](int positive, int other_positive, int negative, int other_negative) {
+        return (is_down(positive) || is_down(other_positive) ? 1.0 : 0.0) -
+               (is_down(negative) || is_down(other_negative) ? 1.0 : 0.0);
+    };
+    return {axis(GLFW_KEY_W, GLFW_KEY_UP, GLFW_KEY_S, GLFW_KEY_DOWN),
+            axis(GLFW_KEY_D, GLFW_KEY_RIGHT, GLFW_KEY_A, GLFW_KEY_LEFT),
+            axis(GLFW_KEY_E, GLFW_KEY_PAGE_UP, GLFW_KEY_Q, GLFW_KEY_PAGE_DOWN),
+            is_down(GLFW_KEY_LEFT_SHIFT) || is_down(GLFW_KEY_RIGHT_SHIFT)};
+}
+
+void WindowInput::keys(ViewerSwitches& switches) {
+    // ImGui's GLFW back end of this version fills KeysDown by GLFW's key numbers
+    const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, false); };
+    if (pressed(GLFW_KEY_H) || pressed(GLFW_KEY_F1)) switches.help = !switches.help;
+    if (pressed(GLFW_KEY_TAB)) switches.panel = !switches.panel;
+    if (pressed(GLFW_KEY_B)) switches.page_borders = !switches.page_borders;
+    if (pressed(GLFW_KEY_T)) control_.look_straight_down();
+    if (pressed(GLFW_KEY_HOME)) control_.set(home_);
+    if (pressed(GLFW_KEY_K)) requests_.camera_key = true;
+    if (pressed(GLFW_KEY_P))
+        (is_down(GLFW_KEY_LEFT_SHIFT) ? requests_.screenshot_with_panels : requests_.screenshot) = true;
+    if (pressed(GLFW_KEY_F11)) toggle_full_screen();
+    if (pressed(GLFW_KEY_ESCAPE)) {
+        if (switches.help)
+            switches.help = false;
+        else
+            glfwSetWindowShouldClose(window_.handle(), GLFW_TRUE);
+    }
+}
+
+void WindowInput::toggle_full_screen() {
+    GLFWwindow* window = window_.handle();
+    if (glfwGetWindowMonitor(window)) {
+        glfwSetWindowMonitor(window, nullptr, window_place_[0], window_place_[1], window_place_[2],
+                             window_place_[3], GLFW_DONT_CARE);
+        return;
+    }
+    GLFWmonitor* monitor = glfwGetPrimaryMonitor();
+    const GLFWvidmode* mode = monitor ? glfwGetVideoMode(monitor) : nullptr;
+    if (!mode) return;
+    glfwGetWindowPos(window, &window_place_[0], &window_place_[1]);
+    glfwGetWindowSize(window, &window_place_[2], &window_place_[3]);
+    glfwSetWindowMonitor(window, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
+}
+
+}  // namespace tessera

@@ -1,0 +1,50 @@
+#pragma once
+
+#include "client/render/glfw_window.h"
+#include "client/view/camera_control.h"
+#include "client/view/viewer_state.h"
+
+namespace tessera {
+
+/// What was asked for by a key, once.
+struct WindowRequests {
+    bool screenshot = false;
+    bool screenshot_with_panels = false;
+    bool camera_key = false;
+};
+
+/// Mouse and keyboard of a window -> camera and switches. What the panels take (ImGui) does not come here.
+class WindowInput {
+  public:
+    /// `window` and `control` outlive this. `home`: where the Home key leads.
+    WindowInput(GlfwWindow& window, CameraControl& control, const Camera& home);
+
+    /// Once a frame, within ImGui's frame.
+    void advance(double seconds, ViewerSwitches& switches);
+
+    WindowRequests take_requests() { return std::exchange(requests_, {}); }
+
+    struct Pixels {
+        double x = 0;
+        double y = 0;
+    };
+    /// The cursor in the framebuffer, from its top-left corner.
+    Pixels cursor_pixels() const;
+
+  private:
+    void mouse();
+    void keys(ViewerSwitches& switches);
+    CameraControl::Steering steering() const;
+    bool is_down(int key) const;
+    void toggle_full_screen();
+
+    GlfwWindow& window_;
+    CameraControl& control_;
+    Camera home_;
+    WindowRequests requests_;
+    Pixels last_cursor_;
+    int dragging_ = -1;  ///< The mouse button that is held, or −1
+    int window_place_[4] = {100, 100, 1280, 800};
+};
+
+}  // namespace tessera
