@@ -134,7 +134,8 @@ Result<void> bake(const Texture& texture, const TexelRegion& region, const Budge
         const double all = double(region.height) * (mip ? 2 : 1);
         for (TexelRegion level = region;; level = {static_cast<std::uint8_t>(level.level + 1), level.x / 2,
                                                    level.y / 2, level.width / 2, level.height / 2}) {
-            const auto mode = level == region ? OIIO::ImageOutput::Create : OIIO::ImageOutput::AppendMIPLevel;
+            // TIFF keeps MIP levels as further images; readers of textures know them by "textureformat"
+            const auto mode = level == region ? OIIO::ImageOutput::Create : OIIO::ImageOutput::AppendSubimage;
             if (!out->open(partial.string(), spec_for(file.extension(), level.width, level.height), mode))
                 return Error{ErrorCode::io_failure, file.string() + ": " + out->geterror()};
             const auto rows_done = [&](std::int64_t rows) {
