@@ -79,8 +79,8 @@ std::vector<std::uint8_t> activity(const PerceptualImage& tile, std::int32_t rad
 }
 
 /// All seeds grow at once, each texel going to the seed that reaches it first (Dijkstra). Quiet texels take
-/// long to cross, so that fronts meet there; and the way gets longer by `compactness` with the distance from
-/// the seed. Equal times go to the lower label, then the lower texel: no order is left to chance.
+/// long to cross, so that fronts meet there; and every step takes longer by `compactness` with the distance
+/// from the seed. Equal times go to the lower label, then the lower texel: no order is left to chance.
 std::vector<std::uint16_t> grow(const std::vector<Seed>& seeds, const std::vector<std::uint8_t>& active,
                                 std::int32_t side, std::int64_t cell, std::int64_t compactness) {
     using Front = std::tuple<std::int64_t, std::uint16_t, std::int32_t>;  // time, label, texel
@@ -104,9 +104,9 @@ std::vector<std::uint16_t> grow(const std::vector<Seed>& seeds, const std::vecto
         const auto visit = [&](std::int32_t to_x, std::int32_t to_y) {
             const std::int32_t to = (to_y & mask) * side + (to_x & mask);
             if (labels[static_cast<std::size_t>(to)] != nobody) return;
-            const std::int64_t quiet = 255 - active[static_cast<std::size_t>(to)];
+            const std::int64_t pace = 16 + 255 - active[static_cast<std::size_t>(to)];
             const std::int64_t away = std::max(apart(to_x & mask, seed.x), apart(to_y & mask, seed.y));
-            fronts.emplace(time + 24 + quiet + compactness * away / cell, label, to);
+            fronts.emplace(time + pace * (64 * cell + compactness * away) / cell, label, to);
         };
         visit(x - 1, y);
         visit(x + 1, y);
@@ -169,7 +169,7 @@ Segmentation make_patches(const PerceptualImage& tile, std::int32_t count, std::
 
     // Freely first; then rounder and more regular, until every box fits
     std::int32_t jitter = 32;
-    for (std::int64_t compactness = 192;; compactness *= 2, jitter /= 2) {
+    for (std::int64_t compactness = 64;; compactness *= 2, jitter /= 2) {
         std::vector<Seed> seeds = scatter(grid, side, jitter, seed);
         std::vector<std::uint16_t> labels =
             grow(seeds, active, side, std::max<std::int64_t>(cell, 1), compactness);

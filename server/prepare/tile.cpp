@@ -167,9 +167,18 @@ PeriodicTile make_tile(const PerceptualImage& photo, std::int32_t side, std::siz
         tiles[i] = cut_tile(photo, places[i], side, overlap);
         progress.advance("tile", static_cast<double>(++done) / static_cast<double>(places.size()));
     });
-    // Cheap against what goes on in the tile anyway: in a flat corner of the photograph every cut is cheap
-    return *std::min_element(tiles.begin(), tiles.end(), [](const PeriodicTile& a, const PeriodicTile& b) {
-        return a.seam_cost * b.activity < b.seam_cost * a.activity;
+    if (progress.stop().stop_requested()) return tiles.front();
+    // What is cheap to cut and no duller or busier than the photograph: in its flat corners every cut is
+    // cheap
+    std::uint64_t usual = 0;
+    for (const PeriodicTile& tile : tiles) usual += tile.activity;
+    usual /= tiles.size();
+    const auto price = [&](const PeriodicTile& tile) {
+        const auto [least, most] = std::minmax(tile.activity, usual);
+        return tile.seam_cost * (256 * most / least);
+    };
+    return *std::min_element(tiles.begin(), tiles.end(), [&](const PeriodicTile& a, const PeriodicTile& b) {
+        return price(a) < price(b);
     });
 }
 
