@@ -114,7 +114,11 @@ std::optional<Refusal> RequestHead::check_target(const SessionLimits&) {
         host = target.substr(0, end);
         if (!is_authority(host)) return malformed("the address names no host");
         target.remove_prefix(end);
-        if (target.empty()) target = "/";
+        if (target.empty() || target.front() == '?') {  // no path is "/"
+            path = "/";
+            query = target.substr(std::min<std::size_t>(target.size(), 1));
+            return std::nullopt;
+        }
     }
     if (target == "*" && is(http::verb::options)) {
         path = target;

@@ -180,8 +180,8 @@ Answer Routes::metrics() {
 
 Answer Routes::web_file(const RequestHead& request, const Site& site,
                         const std::vector<std::string>& segments) {
-    std::string path;
-    for (const std::string& segment : segments) path += (path.empty() ? "" : "/") + segment;
+    std::string path = segments.front();
+    for (std::size_t i = 1; i < segments.size(); ++i) path += "/" + segments[i];
     const WebFiles::File* file = site.web->find(path);
     if (file == nullptr)
         return refusal_answer({404, "there is nothing here; /scenes lists the scenes", false});

@@ -1,0 +1,59 @@
+#include "server/http/address.h"
+
+#include <gtest/gtest.h>
+
+namespace tessera {
+namespace {
+
+Parsed<PageAddress> page_at(std::string_view path) {
+    const auto segments = path_segments(path);
+    if (!segments) return segments.error();
+    if (!is_page_address(*segments)) return Refusal{404, "not a page", false};
+    return page_address(*segments);
+}
+
+TEST(PathSegments, AreDecodedOnce) {
+    EXPECT_EQ(path_segments("/a/b%20c/%2541").value(), (std::vector<std::string>{"a", "b c", "%41"}));
+    EXPECT_EQ(path_segments("/").value(), std::vector<std::string>{""});
+    EXPECT_EQ(path_segments("/a//b/").value(), (std::vector<std::string>{"a", "", "b", ""}));
+}
+
+TEST(PathSegments, RefuseWhatCouldLeaveAFolder) {
+    for (const char* path : {"/..", "/a/../b", "/.", "/%2e%2e", "/%2E.", "/a%2fb", "/a%5Cb", "/%00", "/%1f",
+                             "/%7f", "/%c0%ae", "/%", "/%4", "/%4g"})
+        EXPECT_EQ(path_segments(path).error().status, 400u) << path;
+}
+
+TEST(PageAddress, NamesScenePlaceAndFormat) {
+    const PageAddress now = page_at("/scenes/moss/20/1048575/7.webp").value();
+    EXPECT_EQ(now.scene, "moss");
+    EXPECT_FALSE(now.pin.has_value());
+    EXPECT_EQ(now.z, 20u);
+    EXPECT_EQ(now.x, 1048575u);
+    EXPECT_EQ(now.y, 7u);
+    EXPECT_EQ(now.format, PageFormat::webp);
+    const PageAddress pinned = page_at("/scenes/moss/r12-0123456789abcdef/0/0/0.rgba").value();
+    EXPECT_EQ(pinned.pin->revision, 12u);
+    EXPECT_EQ(pinned.pin->fingerprint, "0123456789abcdef");
+}
+
+TEST(PageAddress, TakesNumbersBeyondEveryExtentForPagesThatAreNotThere) {
+    for (const char* path : {"/scenes/a/1/-1/0.png", "/scenes/a/1/99999999999999999999/0.png"})
+        EXPECT_GT(page_at(path).value().x, std::uint64_t{1} << 30) << path;
+}
+
+TEST(PageQuery, HasOneCanonicalForm) {
+    EXPECT_EQ(page_query("").value().canonical(), "");
+    EXPECT_EQ(page_query("gutter=0&accuracy=high").value().canonical(), "");
+    EXPECT_EQ(page_query("accuracy=exact&gutter=4").value().canonical(), "?gutter=4&accuracy=exact");
+    EXPECT_EQ(page_query("accuracy=fast").value().canonical(), "?accuracy=fast");
+}
+
+TEST(PageQuery, RefusesWhatItDoesNotKnow) {
+    for (const char* query : {"gutter=17", "gutter=04", "gutter", "gutter=1&gutter=1", "Gutter=1",
+                              "accuracy=", "&", "step=3", "gutter=1&&accuracy=fast", "gutter=%34"})
+        EXPECT_EQ(page_query(query).error().status, 400u) << query;
+}
+
+}  // namespace
+}  // namespace tessera
