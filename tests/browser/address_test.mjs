@@ -37,7 +37,8 @@ test('the mouse moves and zooms, and the texel under the pointer stays where it 
   await all_pages_shown(page);
   await page.mouse.move(700, 450);
   await page.mouse.down();
-  await page.mouse.move(600, 350, {steps: 5});
+  await page.mouse.move(704, 454); // tells a drag from a click
+  await page.mouse.move(604, 354, {steps: 5});
   await page.waitForTimeout(300); // a drag that rests before it ends does not glide on
   await page.mouse.up();
   await page.waitForFunction(() => location.hash === '#board/2/1000400/1000400');

@@ -32,7 +32,7 @@ const scenes = {
     extent_log2_pages: 20,
     checker: {cell_texels: square_texels, first: color(light_square), second: color(dark_square)},
   },
-  'four pages': {title: 'Four pages', extent_log2_pages: 1, constant: {color: color(dark_square)}},
+  'four-pages': {title: 'Four pages', extent_log2_pages: 1, constant: {color: color(dark_square)}},
   torn: {title: 'Torn', colour: 'red'},
 };
 
@@ -113,9 +113,10 @@ export const wait_for_reading = (page, name, value) =>
  * @returns {Promise<number[][]>} Red, green and blue of each.
  */
 export async function colours_at(page, points) {
-  const picture = (await page.screenshot()).toString('base64');
-  const darkroom = await page.context().newPage(); // the viewer's own policy forbids data: to its scripts
-  const colours = await darkroom.evaluate(
+  const [left, top] = [0, 1].map((axis) => Math.min(...points.map((point) => point[axis])));
+  const [right, bottom] = [0, 1].map((axis) => Math.max(...points.map((point) => point[axis])));
+  const picture = await page.screenshot({clip: {x: left, y: top, width: right - left + 1, height: bottom - top + 1}});
+  return (await darkroom_of(page.context().browser())).evaluate(
     async ([picture, points]) => {
       const bytes = Uint8Array.from(atob(picture), (letter) => letter.charCodeAt(0));
       const bitmap = await createImageBitmap(new Blob([bytes], {type: 'image/png'}));
@@ -123,10 +124,16 @@ export async function colours_at(page, points) {
       context.drawImage(bitmap, 0, 0);
       return points.map(([x, y]) => [...context.getImageData(x, y, 1, 1).data].slice(0, 3));
     },
-    [picture, points],
+    [picture.toString('base64'), points.map(([x, y]) => [x - left, y - top])],
   );
-  await darkroom.close();
-  return colours;
+}
+
+const darkrooms = new WeakMap();
+
+/** An empty page that develops pictures, in a window of its own: the viewer's policy forbids its scripts to read them. */
+async function darkroom_of(browser) {
+  if (!darkrooms.has(browser)) darkrooms.set(browser, await (await browser.newContext()).newPage());
+  return darkrooms.get(browser);
 }
 
 /** The colour of the checker's square that a texel of level 0 lies in. @param {number} x @param {number} y */

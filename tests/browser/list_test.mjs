@@ -16,9 +16,8 @@ after(async () => {
 
 test('lists every scene with its kind, extent and attribution, and asks no other host', async () => {
   const {page, complaints, close} = await open_page(browser, server.origin);
-  const cards = await page.locator('.card').allInnerTexts();
   await page.waitForSelector('.card');
-  assert.equal(await page.locator('.card').count(), 3, String(cards));
+  assert.equal(await page.locator('.card').count(), 3);
   const clay_card = await page.locator('.card', {hasText: 'Fired clay'}).innerText();
   assert.match(clay_card, /Constant colour/);
   assert.match(clay_card, /274,877,906,944 × 274,877,906,944 texels/);
@@ -71,11 +70,11 @@ test('says that a scene is unknown, and leads back to the list', async () => {
   await close();
 });
 
-test('shows a scene whose name has a blank in it', async () => {
+test('opens a scene of no more than four pages', async () => {
   const {page, complaints, close} = await open_page(browser, server.origin);
   await page.locator('.card a', {hasText: 'Four pages'}).click();
   await page.waitForSelector('.viewer[data-loading="0"]');
-  assert.match(new URL(page.url()).hash, /^#four%20pages\/1\/256\/256$/);
+  assert.equal(new URL(page.url()).hash, '#four-pages/1/256/256');
   assert.deepEqual(complaints, []);
   await close();
 });

@@ -24,9 +24,9 @@ test('a server that stops is told of, and its pages come as soon as it is back',
   await page.keyboard.press('Enter');
   const banner = page.getByRole('alert').filter({hasText: 'The server is not answering'});
   await banner.waitFor();
+  await page.getByRole('button', {name: 'Try now'}).waitFor();
 
   server = await start_tessera(scenes.folder, server.port);
-  await page.getByRole('button', {name: 'Try now'}).click();
   await banner.waitFor({state: 'hidden'});
   await wait_for_reading(page, 'x', '90,000,000');
   await all_pages_shown(page);

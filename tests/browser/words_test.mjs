@@ -4,6 +4,7 @@ import {test} from 'node:test';
 
 import {format_address, parse_address} from '../../client/web/src/address.js';
 import {format_bytes, round_number_below, with_separators} from '../../client/web/src/numbers.js';
+import {server_timing} from '../../client/web/src/page_fetch.js';
 import {Texture} from '../../client/web/src/texture.js';
 import {parse_texel} from '../../client/web/src/texel_text.js';
 
@@ -52,4 +53,11 @@ test('a page is asked for where TileJSON says', () => {
   assert.equal(texture.page_url(page, {format: 'webp', accuracy: 'fast'}), '/scenes/s/r0-12ab/17/131071/0.webp?accuracy=fast');
   const plain = new Texture({tiles: ['http://127.0.0.1:1/scenes/s/{z}/{x}/{y}.png'], maxzoom: 2, tessera: {id: 's'}});
   assert.equal(plain.page_url({level: 2, x: 0, y: 0}, {format: 'jpg', accuracy: 'high'}), '/scenes/s/0/0/0.jpg');
+});
+
+test('what the server says of its time is understood', () => {
+  const made = 'cache;desc=miss, queue;dur=0.132, evaluate;dur=1.25, encode;dur=0.75';
+  assert.deepEqual(server_timing(made), {server_cached: false, server_milliseconds: 2});
+  assert.deepEqual(server_timing('cache;desc=hit'), {server_cached: true, server_milliseconds: undefined});
+  assert.deepEqual(server_timing(''), {server_cached: false, server_milliseconds: undefined});
 });

@@ -16,6 +16,9 @@ export function format_bytes(bytes) {
   return `${value.toFixed(digits)} ${units[unit]}`;
 }
 
+/** 1.23 -> "1.2 ms"; 84.1 -> "84 ms". @param {number} value */
+export const format_milliseconds = (value) => `${value < 10 ? value.toFixed(1) : Math.round(value)} ms`;
+
 /** At most two decimals, and none that are zero. @param {number} value */
 export const short_decimal = (value) => String(Math.round(value * 100) / 100);
 

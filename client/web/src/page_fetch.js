@@ -7,7 +7,7 @@ const most_attempts = 8;
  * asks for or a growing one with some chance in it, so that many pages do not come back all at once.
  * @param {string} url
  * @param {AbortSignal} signal
- * @returns {Promise<{image: ImageBitmap, facts: {bytes: number, milliseconds: number, method: string, bound: string}}>}
+ * @returns {Promise<{image: ImageBitmap, facts: Partial<import('./page_ledger.js').PageRecord>}>}
  */
 export async function fetch_page(url, signal) {
   for (let attempt = 1; ; ++attempt) {
@@ -25,9 +25,25 @@ export async function fetch_page(url, signal) {
   }
 }
 
-/** @param {Headers} headers */
+/** What the server says of its answer. @param {Headers} headers */
 function stated_by(headers) {
-  return {method: headers.get('tessera-method') ?? '', bound: headers.get('tessera-bound') ?? ''};
+  return {
+    method: headers.get('tessera-method') ?? '',
+    bound: headers.get('tessera-bound') ?? '',
+    ...server_timing(headers.get('server-timing') ?? ''),
+  };
+}
+
+/**
+ * "cache;desc=miss, evaluate;dur=1.06, encode;dur=0.78" -> how long the server worked for it, or that it did not.
+ * @param {string} text
+ */
+export function server_timing(text) {
+  const durations = [...text.matchAll(/\b(?:evaluate|encode);dur=([\d.]+)/g)].map((match) => Number(match[1]));
+  return {
+    server_cached: /\bcache;desc="?hit\b/.test(text),
+    server_milliseconds: durations.length > 0 ? durations.reduce((sum, duration) => sum + duration, 0) : undefined,
+  };
 }
 
 /** @param {string | null} retry_after Seconds; dates are not worth the trouble here. @param {number} attempt From 1. */

@@ -4,7 +4,8 @@ import {key_text} from './texture.js';
  * What is known of a page: of its answer when there was one, of the failure when there was none.
  * @typedef {{
  *   state: 'loading' | 'ready' | 'cached' | 'failed',
- *   from_cache?: boolean, bytes?: number, milliseconds?: number, method?: string, bound?: string, problem?: string, url?: string
+ *   from_cache?: boolean, bytes?: number, milliseconds?: number, server_milliseconds?: number, server_cached?: boolean,
+ *   method?: string, bound?: string, problem?: string, url?: string
  * }} PageRecord
  */
 

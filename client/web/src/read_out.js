@@ -1,5 +1,5 @@
 import {element} from './dom.js';
-import {format_bytes, round_number_below, short_decimal, with_separators} from './numbers.js';
+import {format_bytes, format_milliseconds, round_number_below, short_decimal, with_separators} from './numbers.js';
 import {key_text} from './texture.js';
 
 const state_words = {loading: 'loading', ready: 'ready', cached: 'from the cache', failed: 'failed'};
@@ -69,11 +69,13 @@ function magnification(resolution, level) {
 }
 
 /** @param {import('./page_ledger.js').PageRecord} record */
-function facts_of({bytes, milliseconds, method, bound, problem, state}) {
+function facts_of({state, problem, bytes, milliseconds, server_milliseconds, server_cached, method, bound}) {
   if (state === 'failed') return problem ?? '';
   return [
     bytes !== undefined && format_bytes(bytes),
-    milliseconds !== undefined && state === 'ready' && `${milliseconds < 10 ? milliseconds.toFixed(1) : Math.round(milliseconds)} ms`,
+    state === 'ready' && milliseconds !== undefined && `came in ${format_milliseconds(milliseconds)}`,
+    state === 'ready' && server_cached && 'kept by the server',
+    state === 'ready' && server_milliseconds !== undefined && `made in ${format_milliseconds(server_milliseconds)}`,
     method && method.replaceAll('_', ' '),
     bound && bound_text(Number(bound)),
   ]
