@@ -95,14 +95,16 @@ void reload(Server& server, const ServerOptions& options) {
                   catalog ? web.error().detail : catalog.error().detail);
 }
 
-/// Handles signals until one asks to stop. A reload runs beside, so that stopping never waits in line.
-void wait_for_stop(Server& server, const ServerOptions& options, const sigset_t& signals) {
+/// Serves until a signal asks to stop, and stops. Reloads run beside, one at a time, so that a stop does not
+/// wait in line behind one.
+void serve_until_told(Server& server, const ServerOptions& options, const sigset_t& signals) {
     std::thread reloading;
-    for (int signal = 0; sigwait(&signals, &signal) == 0;) {
+    for (int signal = 0; sigwait(&signals, &signal) == 0 && signal == SIGHUP;) {
         if (reloading.joinable()) reloading.join();
-        if (signal != SIGHUP) break;
         reloading = std::thread{[&] { reload(server, options); }};
     }
+    spdlog::info("stopping");
+    server.stop();
     if (reloading.joinable()) reloading.join();
 }
 
@@ -130,9 +132,7 @@ Result<void> serve(ServeArguments& arguments) {
     std::printf("tessera: listening on %s\n", (*server)->address().c_str());
     std::fflush(stdout);
 
-    wait_for_stop(**server, options, signals);
-    spdlog::info("stopping");
-    (*server)->stop();
+    serve_until_told(**server, options, signals);
     return {};
 }
 

@@ -1,6 +1,7 @@
 #include "server/http/server.h"
 
 #include <algorithm>
+#include <atomic>
 #include <latch>
 
 #include <boost/asio/post.hpp>
@@ -50,6 +51,8 @@ void Server::on_every_thread(Job job) {
 }
 
 void Server::publish(std::shared_ptr<const Catalog> catalog, std::shared_ptr<const WebFiles> web) {
+    const std::lock_guard lock{publishing_};
+    if (stopped_) return;
     metrics_.scenes.Set(static_cast<double>(catalog->scenes.size()));
     metrics_.scenes_broken.Set(static_cast<double>(catalog->broken.size()));
     on_every_thread([&](SessionContext& context) {
@@ -65,7 +68,10 @@ bool Server::sessions_left() {
 }
 
 void Server::stop() {
-    if (std::exchange(stopped_, true) || !listener_) return;
+    {
+        const std::lock_guard lock{publishing_};
+        if (std::exchange(stopped_, true) || !listener_) return;
+    }
     const auto wait_for_sessions = [this](std::chrono::milliseconds time) {
         const auto until = std::chrono::steady_clock::now() + time;
         while (sessions_left() && std::chrono::steady_clock::now() < until)

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <atomic>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -33,7 +33,8 @@ class Server {
     Server(const Server&) = delete;
     Server& operator=(const Server&) = delete;
 
-    /// Serves these from now on, in place of what was served before. Returns when every I/O thread does.
+    /// Serves these from now on, in place of what was served before. Returns when every I/O thread does. Does
+    /// nothing once the server is stopping.
     void publish(std::shared_ptr<const Catalog> catalog, std::shared_ptr<const WebFiles> web);
 
     /// Accepts nothing more, lets answers in flight finish within the grace period, ends the rest.
@@ -61,7 +62,8 @@ class Server {
     Routes routes_;
     std::vector<std::unique_ptr<IoThread>> threads_;
     std::unique_ptr<Listener> listener_;
-    bool stopped_ = false;
+    std::mutex publishing_;  ///< Held while scenes are handed to the threads: they run until it is released.
+    bool stopped_ = false;   ///< Guarded by publishing_.
 };
 
 }  // namespace tessera

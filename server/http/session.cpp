@@ -156,8 +156,9 @@ Task<bool> Session::wait_for_page(PendingPage pending, const RequestHead& reques
     co_return co_await send(Routes::page_answer(*page, pending.pinned, false), true, keep_alive);
 }
 
-/// Returns when the connection ends. What the client sends meanwhile is kept as its next requests; when that
-/// is as much as may wait, it is not watched any more.
+/// Returns when the connection ends; a client that closes only its sending half counts as gone. What the
+/// client sends meanwhile is kept as its next requests; when that is as much as may wait, it is not watched
+/// any more.
 Task<void> Session::client_leaves() {
     co_await asio::this_coro::throw_if_cancelled(false);
     for (;;) {

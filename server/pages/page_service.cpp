@@ -173,7 +173,7 @@ void PageService::work() {
         running_.push_back(job);
         lock.unlock();
 
-        const Result<PagePtr> page = evaluate(*job);
+        const Result<PagePtr> page = evaluate_guarded(*job);
         if (page) cache_.insert(*page);
 
         lock.lock();
@@ -186,6 +186,15 @@ void PageService::work() {
         answer(waiters, page);
         waiters.clear();
         lock.lock();
+    }
+}
+
+/// A page that does not fit into memory costs its own askers an error, and nobody else anything.
+Result<PagePtr> PageService::evaluate_guarded(PageJob& job) {
+    try {
+        return evaluate(job);
+    } catch (const std::exception& failure) {
+        return Error{ErrorCode::io_failure, std::string{"the evaluation failed: "} + failure.what()};
     }
 }
 

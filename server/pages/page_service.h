@@ -9,6 +9,7 @@
 #include <string>
 #include <thread>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "server/pages/encoded_page.h"
@@ -96,6 +97,7 @@ class PageService {
     };
 
     void work();
+    Result<PagePtr> evaluate_guarded(PageJob& job);
     Result<PagePtr> evaluate(PageJob& job);
     std::vector<Waiter> finish(const JobPtr& job);
     void leave(PageJob& job, std::uint64_t waiter);
