@@ -18,9 +18,9 @@ struct Bed {
 };
 
 constexpr Bed beds[] = {
-    {6.0, 2.2, 0.80, 0.80, 1.6, 0.2},     // gravel that covers most of the sand
-    {22.0, 5.0, 0.82, 0.86, 1.3, 0.15},   // what shows in the gaps
-    {42.0, 6.5, 0.87, 0.92, 0.60, 0.35},  // what one sees
+    {5.0, 1.8, 0.80, 0.80, 1.6, 0.2},     // gravel that covers most of the sand
+    {15.0, 4.0, 0.82, 0.86, 1.3, 0.15},   // what shows in the gaps
+    {27.0, 5.0, 0.87, 0.92, 0.60, 0.35},  // what one sees
 };
 
 double wrapped(double difference, double side) noexcept {

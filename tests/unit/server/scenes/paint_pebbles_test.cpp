@@ -25,7 +25,7 @@ int luma(const Rgb8Image& image, std::int32_t x, std::int32_t y) {
 // Equal on every compiler and in every build type. Whoever changes the painting on purpose looks at it first,
 // then takes the new number from the failure.
 TEST(PaintPebbles, GivesTheSameBytesOnEveryMachine) {
-    EXPECT_EQ(XXH3_64bits(painting().bytes.data(), painting().bytes.size()), 9873386925576905756u);
+    EXPECT_EQ(XXH3_64bits(painting().bytes.data(), painting().bytes.size()), 7247466472578105773u);
 }
 
 TEST(PaintPebbles, AnotherSeedPaintsOtherStones) {
