@@ -155,7 +155,7 @@ void Run::line_ended() {
     if (--working_ > 0) return;
     deadline_.cancel();
     tick_.cancel();
-    signals_.clear();
+    signals_.cancel();
 }
 
 /// One connection's work from start to end.

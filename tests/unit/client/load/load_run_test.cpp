@@ -38,7 +38,8 @@ TEST(LoadRun, InAClosedLoopAsksAsFastAsTheServerAnswers) {
     SmallServer server{[](const SmallServer::Request&) {
         return Answer{.body = std::string(100, 'x'), .fields = {{"X-Cache", "HIT"}}, .delay = 5ms};
     }};
-    const LoadPlan plan = plan_for(server);
+    LoadPlan plan = plan_for(server);
+    plan.stop_on_signals = true;  // and none comes
     RandomWalk walk = walk_of();
     const LoadOutcome outcome = run_load(plan, walk);
     const LoadTally& tally = outcome.tally;
