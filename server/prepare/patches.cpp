@@ -95,7 +95,9 @@ std::vector<std::uint16_t> grow(const std::vector<Seed>& seeds, const std::vecto
         return std::min(d, side - d);
     };
     while (!fronts.empty()) {
-        const auto [time, label, texel] = fronts.top();
+        const std::int64_t time = std::get<0>(fronts.top());
+        const std::uint16_t label = std::get<1>(fronts.top());
+        const std::int32_t texel = std::get<2>(fronts.top());
         fronts.pop();
         if (labels[static_cast<std::size_t>(texel)] != nobody) continue;
         labels[static_cast<std::size_t>(texel)] = label;

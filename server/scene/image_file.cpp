@@ -116,6 +116,9 @@ Result<Reader> open_image(const fs::path& path, const File& file, const ImageLim
     std::call_once(once, [] { OIIO::attribute("plugin_searchpath", ""); });
     if (file.format == "webp")
         if (auto fits = check_webp(path, file, limits); !fits) return fits.error();
+    // libpng would say so on stderr, and leak what OIIO held
+    if (file.format == "png")
+        if (auto whole = check_png(path); !whole) return broken(path, file.format, whole.error().detail);
     Reader reader = OIIO::ImageInput::create(file.format, false, nullptr, "");
     if (!reader) {
         OIIO::geterror();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <fstream>
 #include <memory>
 #include <string_view>
 
@@ -13,6 +14,11 @@ namespace {
 
 void append_number(std::vector<std::uint8_t>& out, std::uint32_t number) {
     for (const int shift : {24, 16, 8, 0}) out.push_back(static_cast<std::uint8_t>(number >> shift));
+}
+
+std::uint32_t read_number(const unsigned char* bytes) {
+    return std::uint32_t{bytes[0]} << 24 | std::uint32_t{bytes[1]} << 16 | std::uint32_t{bytes[2]} << 8 |
+           bytes[3];
 }
 
 /// Length, name, data, and a checksum of name and data.
@@ -105,6 +111,29 @@ std::vector<std::uint8_t> to_png(std::int32_t width, std::int32_t height, PngCol
     append_chunk(png, "IDAT", packed);
     append_chunk(png, "IEND", {});
     return png;
+}
+
+Result<void> check_png(const std::filesystem::path& file) {
+    const Error truncated{ErrorCode::invalid_input, "it ends too early"};
+    std::ifstream in{file, std::ios::binary};
+    if (!in.ignore(8)) return truncated;  // the signature
+    std::vector<char> block(1 << 16);
+    for (;;) {
+        std::array<unsigned char, 8> head{};
+        if (!in.read(reinterpret_cast<char*>(head.data()), std::ssize(head))) return truncated;
+        std::uint32_t left = read_number(head.data());
+        std::uint32_t sum = libdeflate_crc32(0, head.data() + 4, 4);
+        while (left > 0) {
+            const std::uint32_t now = std::min(left, static_cast<std::uint32_t>(block.size()));
+            if (!in.read(block.data(), now)) return truncated;
+            sum = libdeflate_crc32(sum, block.data(), now);
+            left -= now;
+        }
+        std::array<unsigned char, 4> tail{};
+        if (!in.read(reinterpret_cast<char*>(tail.data()), std::ssize(tail))) return truncated;
+        if (read_number(tail.data()) != sum) return Error{ErrorCode::invalid_input, "a checksum is wrong"};
+        if (std::equal(head.begin() + 4, head.end(), "IEND")) return {};
+    }
 }
 
 }  // namespace tessera

@@ -186,7 +186,7 @@ TEST_F(ImageFile, a_truncated_image_is_refused_wherever_it_ends) {
     for (const char* name : {"a.png", "a.jpg", "a.webp", "a.tif"}) {
         write_foreign(at(name), 120, 90, 3, OIIO::TypeDesc::UINT8, image.bytes.data());
         const std::string whole = bytes_of(at(name));
-        for (const std::size_t percent : {3, 30, 60, 90}) {
+        for (const std::size_t percent : {3u, 30u, 60u, 90u}) {
             write_bytes(at(name), whole.substr(0, whole.size() * percent / 100));
             SCOPED_TRACE(name + std::string{" cut at "} + std::to_string(percent) + " %");
             expect_refused(at(name), ErrorCode::invalid_input, "truncated");

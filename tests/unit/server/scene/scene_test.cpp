@@ -1,0 +1,142 @@
+#include "server/scene/scene.h"
+
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/scene/asset_file.h"
+#include "tests/support/synthetic_asset.h"
+#include "tests/unit/server/scene/temporary_folder.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class SceneFolders : public testing::Test {
+  protected:
+    fs::path scene(const std::string& id, const std::string& json) {
+        const fs::path folder = folder_.path() / id;
+        fs::create_directories(folder);
+        std::ofstream{folder / "scene.json"} << json;
+        return folder;
+    }
+
+    TemporaryFolder folder_;
+};
+
+TEST_F(SceneFolders, AFolderWithASceneFileIsAScene) {
+    const auto loaded =
+        load_scene(scene("board", R"({"title": "A board", "extent_log2_pages": 9, "checker": {}})"));
+    ASSERT_TRUE(loaded.has_value()) << loaded.error().detail;
+    EXPECT_EQ((*loaded)->id, "board");
+    EXPECT_EQ((*loaded)->title, "A board");
+    EXPECT_EQ((*loaded)->extent.n, 9);
+    EXPECT_EQ((*loaded)->texture->kind(), "checker");
+    EXPECT_EQ((*loaded)->fingerprint.size(), 16u);
+}
+
+TEST_F(SceneFolders, TheExtentIsTwentyUnlessTheSceneSaysOtherwise) {
+    EXPECT_EQ((*load_scene(scene("a", R"({"constant": {"color": {"red": 9}}})")))->extent.n, 20);
+    EXPECT_EQ((*load_scene(scene("b", R"({"constant": {}, "extent_log2_pages": 30})")))->extent.n, 30);
+}
+
+TEST_F(SceneFolders, TheFingerprintCoversSceneFileAndAssetsAndNothingElse) {
+    const std::string json = R"({"content_exchange": {"asset": "asset"}})";
+    std::vector<std::string> prints;
+    for (const std::uint64_t seed : {1u, 1u, 2u}) {
+        const fs::path folder = scene("scene" + std::to_string(prints.size()), json);
+        ASSERT_TRUE(
+            write_content_exchange_asset(folder / "asset", tests::make_synthetic_asset({.seed = seed}), 1));
+        const auto loaded = load_scene(folder);
+        ASSERT_TRUE(loaded.has_value()) << loaded.error().detail;
+        prints.push_back((*loaded)->fingerprint);
+    }
+    EXPECT_EQ(prints[0], prints[1]) << "the folder's name and times do not count";
+    EXPECT_NE(prints[0], prints[2]) << "another asset, other pages";
+    const fs::path changed = scene("scene0", R"({"content_exchange": {"asset": "asset", "seed": 5}})");
+    EXPECT_NE((*load_scene(changed))->fingerprint, prints[0]);
+}
+
+TEST_F(SceneFolders, OneBrokenSceneDoesNotStopTheOthers) {
+    scene("good", R"({"checker": {}})");
+    scene("bad", R"({"checker": {"cell_texels": "wide"}})");
+    fs::create_directories(folder_.path() / "not-a-scene");
+    const auto catalog = load_catalog(folder_.path());
+    ASSERT_TRUE(catalog.has_value());
+    EXPECT_NE(catalog->find("good"), nullptr);
+    EXPECT_EQ(catalog->find("bad"), nullptr);
+    ASSERT_EQ(catalog->broken.size(), 1u);
+    EXPECT_EQ(catalog->broken[0].id, "bad");
+    EXPECT_THAT(catalog->broken[0].message, HasSubstr("cell_texels"));
+}
+
+TEST_F(SceneFolders, AFolderThatIsItselfASceneIsACatalogOfOne) {
+    const auto catalog = load_catalog(scene("only", R"({"checker": {}})"));
+    ASSERT_TRUE(catalog.has_value());
+    EXPECT_NE(catalog->find("only"), nullptr);
+}
+
+TEST_F(SceneFolders, AFolderThatIsNotThereIsAnError) {
+    const auto catalog = load_catalog(folder_.path() / "nowhere");
+    ASSERT_FALSE(catalog.has_value());
+    EXPECT_THAT(catalog.error().detail, HasSubstr("nowhere"));
+}
+
+struct Bad {
+    const char* json;
+    const char* says;  ///< Beside the file's name.
+};
+
+class BadScenes : public SceneFolders, public testing::WithParamInterface<Bad> {};
+
+TEST_P(BadScenes, AreRefusedWithFileAndField) {
+    const auto loaded = load_scene(scene("bad", GetParam().json));
+    ASSERT_FALSE(loaded.has_value());
+    EXPECT_EQ(loaded.error().code, ErrorCode::invalid_input);
+    EXPECT_THAT(loaded.error().detail, HasSubstr("scene.json"));
+    EXPECT_THAT(loaded.error().detail, HasSubstr(GetParam().says));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, BadScenes,
+    testing::Values(Bad{"", ""}, Bad{"{", ""}, Bad{"[1, 2]", ""}, Bad{"{}", "no texture"},
+                    Bad{R"({"colour": 3})", "colour"}, Bad{R"({"checker": {"size": 3}})", "size"},
+                    Bad{R"({"checker": {"cell_texels": -4}})", "cell_texels"},
+                    Bad{R"({"checker": {"cell_texels": 2000000}})", "checker.cell_texels"},
+                    Bad{R"({"checker": {"first": {"red": 256}}})", "checker.first"},
+                    Bad{R"({"constant": {"color": {"red": 1, "alpha": 300}}})", "constant.color"},
+                    Bad{R"({"extent_log2_pages": 31, "checker": {}})", "extent_log2_pages"},
+                    Bad{R"({"checker": {}, "constant": {}})", ""},
+                    Bad{R"({"content_exchange": {}})", "content_exchange.asset"},
+                    Bad{R"({"content_exchange": {"asset": "/etc"}})", "content_exchange.asset"},
+                    Bad{R"({"content_exchange": {"asset": "../other"}})", "leaves the scene's folder"},
+                    Bad{R"({"content_exchange": {"asset": "a", "types": 100}})", "content_exchange.types"},
+                    Bad{R"({"content_exchange": {"asset": "a", "choice": "sigma"}})", "choice"}));
+
+TEST_F(SceneFolders, ALinkThatLeavesTheFolderIsRefused) {
+    const fs::path folder = scene("linked", R"({"content_exchange": {"asset": "asset"}})");
+    fs::create_directories(folder_.path() / "elsewhere");
+    fs::create_directory_symlink(folder_.path() / "elsewhere", folder / "asset");
+    const auto loaded = load_scene(folder);
+    ASSERT_FALSE(loaded.has_value());
+    EXPECT_THAT(loaded.error().detail, HasSubstr("leaves the scene's folder"));
+}
+
+TEST_F(SceneFolders, AnAssetThatIsNotThereIsNamed) {
+    const auto loaded = load_scene(scene("bare", R"({"content_exchange": {"asset": "asset"}})"));
+    ASSERT_FALSE(loaded.has_value());
+    EXPECT_THAT(loaded.error().detail, HasSubstr("asset.json"));
+}
+
+TEST_F(SceneFolders, AHugeSceneFileIsRefusedUnread) {
+    const fs::path folder = scene("huge", std::string(3 << 20, ' '));
+    const auto loaded = load_scene(folder);
+    ASSERT_FALSE(loaded.has_value());
+    EXPECT_THAT(loaded.error().detail, HasSubstr("larger than 1 MiB"));
+}
+
+}  // namespace
+}  // namespace tessera
