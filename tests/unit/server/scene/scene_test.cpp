@@ -18,13 +18,13 @@ using testing::HasSubstr;
 class SceneFolders : public testing::Test {
   protected:
     fs::path scene(const std::string& id, const std::string& json) {
-        const fs::path folder = folder_.path() / id;
+        const fs::path folder = folder_.path / id;
         fs::create_directories(folder);
         std::ofstream{folder / "scene.json"} << json;
         return folder;
     }
 
-    TemporaryFolder folder_;
+    test::TemporaryFolder folder_;
 };
 
 TEST_F(SceneFolders, AFolderWithASceneFileIsAScene) {
@@ -63,8 +63,8 @@ TEST_F(SceneFolders, TheFingerprintCoversSceneFileAndAssetsAndNothingElse) {
 TEST_F(SceneFolders, OneBrokenSceneDoesNotStopTheOthers) {
     scene("good", R"({"checker": {}})");
     scene("bad", R"({"checker": {"cell_texels": "wide"}})");
-    fs::create_directories(folder_.path() / "not-a-scene");
-    const auto catalog = load_catalog(folder_.path());
+    fs::create_directories(folder_.path / "not-a-scene");
+    const auto catalog = load_catalog(folder_.path);
     ASSERT_TRUE(catalog.has_value());
     EXPECT_NE(catalog->find("good"), nullptr);
     EXPECT_EQ(catalog->find("bad"), nullptr);
@@ -80,7 +80,7 @@ TEST_F(SceneFolders, AFolderThatIsItselfASceneIsACatalogOfOne) {
 }
 
 TEST_F(SceneFolders, AFolderThatIsNotThereIsAnError) {
-    const auto catalog = load_catalog(folder_.path() / "nowhere");
+    const auto catalog = load_catalog(folder_.path / "nowhere");
     ASSERT_FALSE(catalog.has_value());
     EXPECT_THAT(catalog.error().detail, HasSubstr("nowhere"));
 }
@@ -118,8 +118,8 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_F(SceneFolders, ALinkThatLeavesTheFolderIsRefused) {
     const fs::path folder = scene("linked", R"({"content_exchange": {"asset": "asset"}})");
-    fs::create_directories(folder_.path() / "elsewhere");
-    fs::create_directory_symlink(folder_.path() / "elsewhere", folder / "asset");
+    fs::create_directories(folder_.path / "elsewhere");
+    fs::create_directory_symlink(folder_.path / "elsewhere", folder / "asset");
     const auto loaded = load_scene(folder);
     ASSERT_FALSE(loaded.has_value());
     EXPECT_THAT(loaded.error().detail, HasSubstr("leaves the scene's folder"));
