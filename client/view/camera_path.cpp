@@ -99,7 +99,7 @@ Camera first_camera(Extent extent) {
     return {.ground = {middle, middle, 0.5, 0.5},
             .height_texels = std::min(700.0, static_cast<double>(extent.side_texels())),
             .yaw_degrees = 24,
-            .pitch_degrees = -33};
+            .pitch_degrees = -22};
 }
 
 }  // namespace tessera

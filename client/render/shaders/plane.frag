@@ -45,7 +45,7 @@ const float SLOT_SIDE = PAGE_SIDE + 2.0 * GUTTER;
 const vec3 ZENITH = vec3(0.105, 0.235, 0.480);
 const vec3 HORIZON = vec3(0.640, 0.740, 0.810);
 const vec3 TABLE_TOP = vec3(0.030, 0.033, 0.038);  // beyond the extent, and behind transparent texels
-const float HAZE_BEGINS = 0.075;                   // sine of the angle below the horizon
+const float HAZE_DEPTH = 0.028;                    // sine of the angle below the horizon where 1/e of the haze is left
 
 struct Place {
     int slot;
@@ -182,8 +182,7 @@ void main() {
     }
     if ((flags & FLAG_HAZE) != 0) {
         float below_horizon = fall / length(ray);
-        float haze = 1.0 - smoothstep(0.0, HAZE_BEGINS, below_horizon);
-        shaded = mix(shaded, HORIZON, haze * haze);
+        shaded = mix(shaded, HORIZON, exp(-below_horizon / HAZE_DEPTH));
     }
     colour = vec4(encode(shaded), 1.0);
 }
