@@ -43,7 +43,9 @@ export async function make_scenes() {
     await mkdir(path.join(folder, id));
     await writeFile(path.join(folder, id, 'scene.json'), JSON.stringify(scene));
   }
-  return {folder, remove: () => rm(folder, {recursive: true, force: true})};
+  const paint_clay = (rgb) =>
+    writeFile(path.join(folder, 'clay', 'scene.json'), JSON.stringify({...scenes.clay, constant: {color: color(rgb)}}));
+  return {folder, paint_clay, remove: () => rm(folder, {recursive: true, force: true})};
 }
 
 /** `tessera serve`, ready when this returns. @param {string} folder Of scenes. @param {number} [port] 0: any. */
@@ -59,7 +61,7 @@ export async function start_tessera(folder, port = 0) {
     server.kill('SIGTERM');
     await ended;
   };
-  return {origin, port: Number(new URL(origin).port), stop};
+  return {origin, port: Number(new URL(origin).port), stop, reload_scenes: () => server.kill('SIGHUP')};
 }
 
 const flags = [

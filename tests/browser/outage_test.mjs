@@ -46,3 +46,22 @@ test('the list waits for a server that is away, and shows its scenes by itself w
   await page.waitForSelector('.card', {timeout: 20000});
   await close();
 });
+
+test('a scene that the server loads anew is shown anew, as soon as a page is asked for', async (t) => {
+  const server = await start_tessera(scenes.folder);
+  t.after(() => server.stop());
+  const {page, close} = await open_page(browser, `${server.origin}/#clay/4/60000000/60000000`);
+  await all_pages_shown(page);
+  const slate = [70, 84, 92];
+  await scenes.paint_clay(slate);
+  t.after(() => scenes.paint_clay(clay));
+  server.reload_scenes();
+  await page.waitForTimeout(500);
+  await page.keyboard.press('Shift+ArrowRight');
+  await page.keyboard.press('Shift+ArrowRight');
+  await page.waitForResponse((response) => response.url().endsWith('/scenes/clay') && response.ok());
+  await page.waitForTimeout(300);
+  await all_pages_shown(page);
+  assert.deepEqual((await colours_at(page, [[640, 400]]))[0], slate);
+  await close();
+});

@@ -1,5 +1,6 @@
 import {element} from './dom.js';
 import {format_bytes, format_milliseconds, round_number_below, short_decimal, with_separators} from './numbers.js';
+import {connection} from './server.js';
 import {key_text} from './texture.js';
 
 const state_words = {loading: 'loading', ready: 'ready', cached: 'from the cache', failed: 'failed'};
@@ -54,7 +55,7 @@ export class ReadOut {
     this.#facts.title = record?.url ?? '';
     this.#loading.textContent =
       ledger.loading === 0 ? '' : ledger.loading === 1 ? '1 page loading' : `${with_separators(ledger.loading)} pages loading`;
-    this.retry.hidden = ledger.failed === 0;
+    this.retry.hidden = ledger.failed === 0 || !connection.is_up;  // the banner offers it then
     this.retry.textContent = ledger.failed === 1 ? '1 failed: retry' : `${ledger.failed} failed: retry`;
   }
 }

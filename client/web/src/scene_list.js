@@ -65,10 +65,16 @@ export class SceneList {
       return;
     }
     this.#content.replaceChildren(
-      element('main', {}, element('ul', {class: 'cards'}, ...scenes.map(scene_card))),
+      element('main', {}, element('ul', {class: 'cards'}, ...inviting_first(scenes).map(scene_card))),
       ...(broken.length > 0 ? [broken_scenes(broken)] : []),
     );
   }
+}
+
+/** Scenes that are there to judge filters by come last. @param {any[]} scenes */
+function inviting_first(scenes) {
+  const rank = (/** @type {any} */ {texture}) => ['checker', 'constant'].indexOf(texture);
+  return [...scenes].sort((a, b) => rank(a) - rank(b));
 }
 
 /** @param {any} scene A SceneSummary of proto/page.proto; zeros are left out of its JSON. */
