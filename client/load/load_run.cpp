@@ -32,9 +32,16 @@ double processor_seconds() {
     return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/// What the server says about where the page came from; empty if it says nothing.
+/// What the server says about where the page came from: the description of Server-Timing's entry `cache`, or
+/// what proxies say. Empty if it says nothing.
 std::string_view cache_result(const HttpReply& reply) {
-    for (const std::string_view name : {"Cache-Status", "Tessera-Cache", "X-Cache"})
+    constexpr std::string_view entry = "cache;desc=";
+    const std::string_view timing = reply.field("Server-Timing");
+    if (const auto at = timing.find(entry); at != std::string_view::npos) {
+        const std::string_view value = timing.substr(at + entry.size());
+        return value.substr(0, value.find_first_of(",; "));
+    }
+    for (const std::string_view name : {"Cache-Status", "X-Cache"})
         if (const auto value = reply.field(name); !value.empty()) return value.substr(0, 60);
     return {};
 }

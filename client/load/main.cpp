@@ -12,6 +12,7 @@
 #include "client/load/load_options.h"
 #include "client/load/progress_view.h"
 #include "client/load/report.h"
+#include "client/view/camera_path.h"
 
 namespace {
 
@@ -22,6 +23,19 @@ int fail(const std::string& why, int exit_code = 1) {
     return exit_code;
 }
 
+/// The frames of a camera path, 30 a second, at most an hour of them.
+Result<std::vector<Camera>> flight_of_file(const std::string& file, Extent extent) {
+    const auto path = CameraPath::read(file, extent);
+    if (!path) return path.error();
+    constexpr double frames_per_second = 30, longest = 3600;
+    const double seconds = std::clamp(path->end_seconds() - path->begin_seconds(), 0.0, longest);
+    const auto count = static_cast<std::size_t>(seconds * frames_per_second) + 1;
+    std::vector<Camera> frames;
+    for (std::size_t i = 0; i < count; ++i)
+        frames.push_back(path->at(path->begin_seconds() + static_cast<double>(i) / frames_per_second));
+    return frames;
+}
+
 Result<std::unique_ptr<PageWalk>> make_walk(const LoadOptions& options, Extent extent) {
     auto levels = parse_level_weights(options.levels, extent);
     if (!levels) return levels.error();
@@ -29,8 +43,11 @@ Result<std::unique_ptr<PageWalk>> make_walk(const LoadOptions& options, Extent e
     if (options.walk == "sweep") {
         walk = std::make_unique<SweepWalk>(extent, std::move(*levels), options.seed, options.sweep_side);
     } else if (options.walk == "camera") {
-        auto frames = generated_flight(extent, *levels, options.seed);
-        walk = std::make_unique<CameraWalk>(extent, std::move(*levels), std::move(frames),
+        auto frames = options.camera_file.empty()
+                          ? Result<std::vector<Camera>>{generated_flight(extent, *levels, options.seed)}
+                          : flight_of_file(options.camera_file, extent);
+        if (!frames) return frames.error();
+        walk = std::make_unique<CameraWalk>(extent, std::move(*levels), std::move(*frames),
                                             CameraWalk::Settings{});
     } else {
         walk = std::make_unique<RandomWalk>(extent, std::move(*levels), options.seed, options.working_set);
