@@ -23,6 +23,7 @@ struct Arguments {
 };
 
 Result<ContentExchangeAsset> prepare_file(const Arguments& arguments, Progress& progress) {
+    if (auto free = check_asset_target(arguments.asset); !free) return free.error();
     const auto photo = read_rgb_image(arguments.photo);
     if (!photo) return photo.error();
     auto asset = prepare_content_exchange(*photo, arguments.options, progress);
@@ -36,7 +37,7 @@ Result<ContentExchangeAsset> prepare_file(const Arguments& arguments, Progress& 
 int run(const Arguments& arguments) {
     const Interrupt interrupt;
     Result<ContentExchangeAsset> asset = [&] {
-        TerminalProgress progress{{{"tile", 0.15}, {"patches", 0.05}, {"contents", 0.7}, {"writing", 0.1}},
+        TerminalProgress progress{{{"tile", 0.1}, {"patches", 0.05}, {"contents", 0.8}, {"writing", 0.05}},
                                   arguments.quiet,
                                   interrupt.token()};
         return prepare_file(arguments, progress);

@@ -4,6 +4,8 @@
 #include <atomic>
 #include <cstdlib>
 #include <limits>
+#include <numeric>
+#include <tuple>
 
 #include "server/prepare/parallel.h"
 
@@ -106,42 +108,69 @@ Cut cheapest_loop(const CutCosts& costs) {
     return best;
 }
 
-/// Cuts one tile. Its left `overlap` columns show what lies right of it in the photograph, up to a cut; then
-/// its upper rows, of that, what lies below, up to a cut that closes on itself.
-PeriodicTile cut_tile(const PerceptualImage& photo, Place place, std::int32_t side, std::int32_t overlap) {
-    const std::int32_t tall = side + overlap;
-    const CutCosts across = make_costs(tall, overlap, [&](std::int32_t line, std::int32_t position) {
-        return difference(photo.at(place.x + position, place.y + line),
-                          photo.at(place.x + side + position, place.y + line));
-    });
-    const Cut left = cheapest_cut(across);
-    const auto source_x = [&](std::int32_t x, std::int32_t line) {
-        return place.x + (x < left.at[static_cast<std::size_t>(line)] ? x + side : x);
-    };
+/// The first cut's zone runs down the left side, the second's across the top of what the first one leaves.
+struct Cuts {
+    Cut left, top;
+    std::uint64_t seam_cost = 0;
+    std::uint64_t activity = 1;  ///< Mean difference of diagonal neighbours in the photograph there.
+};
+
+/// Where a texel is from: left of the first cut the photograph goes on from the tile's right side.
+std::int32_t source_x(const Cut& left, Place place, std::int32_t side, std::int32_t x, std::int32_t line) {
+    return place.x + (x < left.at[static_cast<std::size_t>(line)] ? x + side : x);
+}
+
+/// The tile's left `overlap` columns show what lies right of it in the photograph, up to a cut; then its
+/// upper rows, of that, what lies below, up to a cut that closes on itself if `closed`.
+Cuts make_cuts(const PerceptualImage& photo, Place place, std::int32_t side, std::int32_t overlap,
+               bool closed) {
+    Cuts cuts;
+    const CutCosts across =
+        make_costs(side + overlap, overlap, [&](std::int32_t line, std::int32_t position) {
+            return difference(photo.at(place.x + position, place.y + line),
+                              photo.at(place.x + side + position, place.y + line));
+        });
+    cuts.left = cheapest_cut(across);
     const CutCosts down = make_costs(side, overlap, [&](std::int32_t x, std::int32_t position) {
         const std::int32_t below = position + side;
-        return difference(photo.at(source_x(x, position), place.y + position),
-                          photo.at(source_x(x, below), place.y + below));
+        return difference(photo.at(source_x(cuts.left, place, side, x, position), place.y + position),
+                          photo.at(source_x(cuts.left, place, side, x, below), place.y + below));
     });
-    const Cut top = cheapest_loop(down);
+    cuts.top = closed ? cheapest_loop(down) : cheapest_cut(down);
 
-    PeriodicTile tile{side, overlap, {}, top.cost, 0};
+    // Of the first cut only the lines that the tile shows
+    cuts.seam_cost = cuts.top.cost;
+    const std::int32_t shown = cuts.top.at.front();
+    for (std::int32_t line = shown; line < shown + side; ++line)
+        cuts.seam_cost += across.at(line, cuts.left.at[static_cast<std::size_t>(line)]);
+    std::uint64_t sum = 0;
+    for (std::int32_t y = place.y; y < place.y + side; ++y)
+        for (std::int32_t x = place.x; x < place.x + side; ++x)
+            sum += static_cast<std::uint64_t>(difference(photo.at(x, y), photo.at(x + 1, y + 1)));
+    cuts.activity += sum / (static_cast<std::uint64_t>(side) * static_cast<std::uint64_t>(side));
+    return cuts;
+}
+
+PeriodicTile put_together(const Cuts& cuts, Place place, std::int32_t side, std::int32_t overlap) {
+    PeriodicTile tile{side, overlap, {}, cuts.seam_cost};
     tile.sources.reserve(static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
     for (std::int32_t y = 0; y < side; ++y)
         for (std::int32_t x = 0; x < side; ++x) {
-            const std::int32_t line = y < top.at[static_cast<std::size_t>(x)] ? y + side : y;
-            tile.sources.push_back({source_x(x, line), place.y + line});
+            const std::int32_t line = y < cuts.top.at[static_cast<std::size_t>(x)] ? y + side : y;
+            tile.sources.push_back({source_x(cuts.left, place, side, x, line), place.y + line});
         }
-    for (std::int32_t y = 0; y < side; ++y)
-        for (std::int32_t x = 0; x < side; ++x)
-            tile.activity += static_cast<std::uint64_t>(
-                difference(photo.at(place.x + x, place.y + y), photo.at(place.x + x + 1, place.y + y + 1)));
-    tile.activity = tile.activity / (static_cast<std::uint64_t>(side) * static_cast<std::uint64_t>(side)) + 1;
-    // Of the first cut only the lines that the tile shows
-    const std::int32_t shown = top.at.front();
-    for (std::int32_t line = shown; line < shown + side; ++line)
-        tile.seam_cost += across.at(line, left.at[static_cast<std::size_t>(line)]);
     return tile;
+}
+
+/// Places on a grid all over the photograph.
+std::vector<Place> make_places(std::int32_t free_x, std::int32_t free_y) {
+    const std::int32_t last_i = std::min(places_per_axis - 1, free_x);
+    const std::int32_t last_j = std::min(places_per_axis - 1, free_y);
+    std::vector<Place> places;
+    for (std::int32_t j = 0; j <= last_j; ++j)
+        for (std::int32_t i = 0; i <= last_i; ++i)
+            places.push_back({last_i == 0 ? 0 : free_x * i / last_i, last_j == 0 ? 0 : free_y * j / last_j});
+    return places;
 }
 
 }  // namespace
@@ -150,36 +179,42 @@ PeriodicTile make_tile(const PerceptualImage& photo, std::int32_t side, std::siz
                        Progress& progress) {
     const std::int32_t spare = std::min(photo.width, photo.height) - side;
     const std::int32_t overlap = std::clamp(std::min(side / 4, 128), least_overlap(side), spare);
-    const std::int32_t free_x = photo.width - side - overlap;
-    const std::int32_t free_y = photo.height - side - overlap;
-    std::vector<Place> places;
-    for (std::int32_t j = 0; j < std::min(places_per_axis, free_y + 1); ++j)
-        for (std::int32_t i = 0; i < std::min(places_per_axis, free_x + 1); ++i) {
-            const std::int32_t last_i = std::min(places_per_axis - 1, free_x);
-            const std::int32_t last_j = std::min(places_per_axis - 1, free_y);
-            places.push_back({last_i == 0 ? 0 : free_x * i / last_i, last_j == 0 ? 0 : free_y * j / last_j});
-        }
+    const std::vector<Place> places =
+        make_places(photo.width - side - overlap, photo.height - side - overlap);
 
-    std::vector<PeriodicTile> tiles(places.size());
+    // Loops cost a hundred times what open cuts do, and hardly more than them: only the best places get one
+    std::vector<Cuts> cuts(places.size());
+    std::vector<std::size_t> order(places.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    const std::size_t finalists = std::min<std::size_t>(places.size(), 6);
     std::atomic<std::size_t> done{0};
-    for_each_index(places.size(), threads, [&](std::size_t i) {
+    const auto cut = [&](std::size_t i, bool closed) {
         if (progress.stop().stop_requested()) return;
-        tiles[i] = cut_tile(photo, places[i], side, overlap);
-        progress.advance("tile", static_cast<double>(++done) / static_cast<double>(places.size()));
-    });
-    if (progress.stop().stop_requested()) return tiles.front();
-    // What is cheap to cut and no duller or busier than the photograph: in its flat corners every cut is
+        cuts[i] = make_cuts(photo, places[i], side, overlap, closed);
+        progress.advance("tile",
+                         static_cast<double>(++done) / static_cast<double>(places.size() + finalists));
+    };
+    for_each_index(places.size(), threads, [&](std::size_t i) { cut(i, false); });
+
+    // What is cheap to cut and neither duller nor busier than the photograph: in its flat corners all is
     // cheap
     std::uint64_t usual = 0;
-    for (const PeriodicTile& tile : tiles) usual += tile.activity;
-    usual /= tiles.size();
-    const auto price = [&](const PeriodicTile& tile) {
-        const auto [least, most] = std::minmax(tile.activity, usual);
-        return tile.seam_cost * (256 * most / least);
+    for (const Cuts& tried : cuts) usual += tried.activity;
+    usual /= cuts.size();
+    const auto price = [&](std::size_t i) {
+        const std::uint64_t most = std::max(cuts[i].activity, usual),
+                            least = std::min(cuts[i].activity, usual);
+        return cuts[i].seam_cost * (256 * most / least);
     };
-    return *std::min_element(tiles.begin(), tiles.end(), [&](const PeriodicTile& a, const PeriodicTile& b) {
-        return price(a) < price(b);
-    });
+    const auto cheaper = [&](std::size_t a, std::size_t b) {
+        return std::tuple{price(a), a} < std::tuple{price(b), b};
+    };
+    std::sort(order.begin(), order.end(), cheaper);
+    order.resize(finalists);
+    for_each_index(finalists, threads, [&](std::size_t i) { cut(order[i], true); });
+    if (progress.stop().stop_requested()) return {};
+    const std::size_t best = *std::min_element(order.begin(), order.end(), cheaper);
+    return put_together(cuts[best], places[best], side, overlap);
 }
 
 Rgb8Image cut_out(const Rgb8Image& photo, const PeriodicTile& tile) {

@@ -21,14 +21,13 @@ struct PeriodicTile {
     std::int32_t overlap = 0;         ///< Texels along which opposite sides were laid over each other.
     std::vector<PhotoPoint> sources;  ///< side×side: where each texel is from.
     std::uint64_t seam_cost = 0;      ///< Summed differences over the cuts; see tile.cpp.
-    std::uint64_t activity = 0;       ///< Mean difference of diagonal neighbours in the photograph there.
 };
 
 /// The least overlap that a tile of `side` texels is cut with; the photograph is larger than the tile by it.
 constexpr std::int32_t least_overlap(std::int32_t side) noexcept { return std::clamp(side / 8, 4, 64); }
 
 /// Tries places all over the photograph, and takes the tile whose cuts show least. The photograph is at least
-/// side + least_overlap(side) texels wide and high.
+/// side + least_overlap(side) texels wide and high. Empty if it was stopped.
 PeriodicTile make_tile(const PerceptualImage& photo, std::int32_t side, std::size_t threads,
                        Progress& progress);
 

@@ -145,6 +145,13 @@ Result<void> check_replaceable(const fs::path& folder) {
     return {};
 }
 
+/// The folder's absolute path, which ends in its name.
+fs::path without_slash(const fs::path& folder) {
+    std::error_code failure;
+    const fs::path absolute = fs::absolute(folder, failure).lexically_normal();
+    return absolute.has_filename() ? absolute : absolute.parent_path();
+}
+
 proto::ContentExchangeAsset to_message(const ContentExchangeAsset& asset, std::uint64_t seed) {
     proto::ContentExchangeAsset message;
     message.set_exemplar("exemplar.png");
@@ -256,16 +263,21 @@ Result<ContentExchangeAsset> read_content_exchange_asset(const fs::path& folder)
     return asset;
 }
 
-Result<void> write_content_exchange_asset(const fs::path& target, const ContentExchangeAsset& asset,
-                                          std::uint64_t seed) {
-    std::error_code failure;
-    fs::path folder = fs::absolute(target, failure).lexically_normal();
-    if (!folder.has_filename()) folder = folder.parent_path();
+Result<void> check_asset_target(const fs::path& target) {
+    const fs::path folder = without_slash(target);
     if (auto may = check_replaceable(folder); !may) return may;
+    std::error_code failure;
     if (!fs::is_directory(folder.parent_path(), failure))
         return Error{ErrorCode::io_failure,
                      folder.parent_path().string() + ": is not a folder; make it first"};
+    return {};
+}
 
+Result<void> write_content_exchange_asset(const fs::path& target, const ContentExchangeAsset& asset,
+                                          std::uint64_t seed) {
+    if (auto may = check_asset_target(target); !may) return may;
+    const fs::path folder = without_slash(target);
+    std::error_code failure;
     fs::path made = folder;
     made.replace_filename(std::string{"."} + folder.filename().string());
     made += ".partial-" + std::to_string(::getpid());

@@ -12,6 +12,10 @@ namespace tessera {
 /// invalid_input, io_failure; the message names file, field and fix.
 Result<ContentExchangeAsset> read_content_exchange_asset(const std::filesystem::path& folder);
 
+/// Whether an asset may be written there, asked before the long work: the place is free or holds an asset and
+/// nothing else, and its parent is a folder.
+Result<void> check_asset_target(const std::filesystem::path& folder);
+
 /// Writes the folder whole or not at all: a neighbour that is renamed into place. `seed` is recorded.
 Result<void> write_content_exchange_asset(const std::filesystem::path& folder,
                                           const ContentExchangeAsset& asset, std::uint64_t seed);
