@@ -1,6 +1,7 @@
 #include "client/render/plane_renderer.h"
 
 #include <cmath>
+#include <string>
 
 #include "plane_frag.h"
 #include "plane_vert.h"
@@ -31,15 +32,13 @@ struct FrameBlock {
     float picture[2];
     std::int32_t top_level;
     std::int32_t window_side;
-    std::int32_t filter;
     std::uint32_t now_ms;
     float fade_ms;
-    std::int32_t flags;
+    float haze;  ///< 1, or 0 without
+    float unused;
     LevelOrigin origins[max_level + 1];
 };
 static_assert(sizeof(FrameBlock) == 112 + 16 * (max_level + 1));
-
-constexpr std::int32_t flag_haze = 1, flag_page_borders = 2;
 
 void put(float (&target)[4], const Vector3& v, double scale) {
     target[0] = static_cast<float>(v.x * scale);
@@ -78,10 +77,9 @@ FrameBlock block_of(const PlaneView& view, Extent extent, int window_side, const
     block.picture[1] = static_cast<float>(view.height());
     block.top_level = extent.n;
     block.window_side = window_side;
-    block.filter = static_cast<std::int32_t>(style.filter);
     block.now_ms = style.now_ms;
     block.fade_ms = style.fade_ms;
-    block.flags = (style.haze ? flag_haze : 0) | (style.page_borders ? flag_page_borders : 0);
+    block.haze = style.haze ? 1 : 0;
     for (int level = 0; level <= extent.n; ++level) block.origins[level] = origin_of(eye, level);
     return block;
 }
@@ -96,19 +94,29 @@ GlSampler make_sampler(GLint filter) {
     return GlSampler{name};
 }
 
+Result<GlProgram> compile(const std::string& definitions) {
+    const std::string head = "#version 450 core\n" + definitions;
+    return make_program(head + plane_vert_source, head + plane_frag_source);
+}
+
 }  // namespace
 
 Result<std::unique_ptr<PlaneRenderer>> PlaneRenderer::make(Extent extent) {
-    auto program = make_program(plane_vert_source, plane_frag_source);
-    if (!program) return program.error();
-    return std::unique_ptr<PlaneRenderer>{new PlaneRenderer{extent, std::move(program.value())}};
+    std::unique_ptr<PlaneRenderer> made{new PlaneRenderer{extent}};
+    for (std::size_t variant = 0; variant < variants; ++variant) {
+        std::string definitions;
+        if (variant & fading) definitions += "#define FADING\n";
+        if (variant & page_borders) definitions += "#define PAGE_BORDERS\n";
+        if (variant == stored_texels) definitions = "#define STORED_TEXELS\n";
+        auto program = compile(definitions);
+        if (!program) return program.error();
+        made->programs_[variant] = std::move(program.value());
+    }
+    return made;
 }
 
-PlaneRenderer::PlaneRenderer(Extent extent, GlProgram program)
-    : extent_{extent},
-      program_{std::move(program)},
-      linear_{make_sampler(GL_LINEAR)},
-      nearest_{make_sampler(GL_NEAREST)} {
+PlaneRenderer::PlaneRenderer(Extent extent)
+    : extent_{extent}, linear_{make_sampler(GL_LINEAR)}, nearest_{make_sampler(GL_NEAREST)} {
     GLuint name = 0;
     glCreateBuffers(1, &name);
     frame_block_ = GlBuffer{name};
@@ -126,7 +134,10 @@ void PlaneRenderer::draw(const FrameTarget& target, const PlaneView& view, const
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_CULL_FACE);
     glDisable(GL_SCISSOR_TEST);
-    glUseProgram(program_.name());
+    const std::size_t variant = style.filter == Filter::stored ? stored_texels
+                                                               : (style.fade_ms > 0 ? fading : 0) |
+                                                                     (style.page_borders ? page_borders : 0);
+    glUseProgram(programs_[variant].name());
     glBindBufferBase(GL_UNIFORM_BUFFER, 0, frame_block_.name());
     glBindTextureUnit(0, pages.texture());
     glBindSampler(0, linear_.name());

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 
@@ -13,17 +15,16 @@
 
 namespace tessera {
 
-/// Values as in shaders/plane.frag.
-enum class Filter : std::int32_t {
-    trilinear = 0,  ///< Linear within and between levels, in linear light.
-    stored = 1,     ///< The nearest texel of the nearest level, as stored, with no haze: for tests and tools.
+enum class Filter {
+    trilinear,  ///< Linear within and between levels, in linear light.
+    stored,     ///< The nearest texel of the nearest level, as stored, with no haze: for tests and tools.
 };
 
 struct PlaneStyle {
     Filter filter = Filter::trilinear;
     double lod_bias = 0;        ///< Added to each pixel's level.
     std::uint32_t now_ms = 0;   ///< On the clock of TableEntry::arrival_ms.
-    float fade_ms = 0;          ///< How long a new page takes to fade in; 0: at once.
+    float fade_ms = 0;          ///< How long a new page takes to fade in; 0: at once, and cheaper.
     bool haze = true;           ///< The plane fades into the sky towards the horizon.
     bool page_borders = false;  ///< Draws the borders of the pages shown, coloured by level.
 };
@@ -39,10 +40,13 @@ class PlaneRenderer {
               const PageTableTexture& table, int window_side, const PlaneStyle& style);
 
   private:
-    PlaneRenderer(Extent extent, GlProgram program);
+    /// The fragment shader's variants: stored_texels, or any of the others together.
+    static constexpr std::size_t fading = 1, page_borders = 2, stored_texels = 4, variants = 5;
+
+    explicit PlaneRenderer(Extent extent);
 
     Extent extent_;
-    GlProgram program_;
+    std::array<GlProgram, variants> programs_;
     GlBuffer frame_block_;
     GlVertexArray no_vertices_;
     GlSampler linear_;

@@ -20,6 +20,7 @@ ResidencyFrame PlaneScene::update(const PlaneView& view, ClientTime now) {
     ResidencyFrame frame = residency_.update(view, now);
     for (const SlotUpload& upload : frame.uploads) pages_.upload(upload.slot, upload.texels);
     table_.update(residency_.table());
+    if (!frame.uploads.empty()) last_upload_ = now;
     lod_bias_ = frame.lod_bias;
     now_ = now;
     return frame;
@@ -28,6 +29,7 @@ ResidencyFrame PlaneScene::update(const PlaneView& view, ClientTime now) {
 void PlaneScene::draw(const FrameTarget& target, const PlaneView& view, PlaneStyle style) {
     style.lod_bias = lod_bias_;
     style.now_ms = static_cast<std::uint32_t>(now_.count());
+    if (now_ - last_upload_ > std::chrono::duration<float, std::milli>{style.fade_ms}) style.fade_ms = 0;
     renderer_->draw(target, view, pages_, table_, residency_.settings().window_side, style);
 }
 

@@ -35,6 +35,7 @@ class PlaneScene {
     std::unique_ptr<PlaneRenderer> renderer_;
     double lod_bias_ = 0;
     ClientTime now_{};
+    ClientTime last_upload_{};
 };
 
 }  // namespace tessera

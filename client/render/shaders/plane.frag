@@ -1,4 +1,6 @@
-#version 450 core
+// Compiled behind a line "#version 450 core" in variants, by what a frame needs: STORED_TEXELS, FADING, PAGE_BORDERS.
+// Software rasterisers run both sides of every branch, so what is not needed must not be there.
+//
 // The plane under a sky. Each pixel: its ray, the point of the plane it meets, the level of its footprint, the page
 // table's entry, the texels. Positions are relative to the point under the eye: floats are exact enough anywhere.
 
@@ -20,10 +22,10 @@ layout(std140, binding = 0) uniform Frame {
     vec2 picture;
     int top_level;
     int window_side;
-    int filter_mode;
     uint now_ms;
     float fade_ms;
-    int flags;
+    float haze;
+    float unused;
     LevelOrigin origins[31];
 };
 
@@ -33,9 +35,6 @@ layout(binding = 2) uniform usampler2DArray page_table;
 
 layout(location = 0) out vec4 colour;
 
-const int FILTER_STORED = 1;
-const int FLAG_HAZE = 1;
-const int FLAG_PAGE_BORDERS = 2;
 const uint NOTHING = 0xffffffffu;
 const float PAGE_SIDE = 256.0;
 const float GUTTER = 4.0;
@@ -90,12 +89,14 @@ vec4 sample_level(int level, vec2 ground) {
     Place place;
     if (!find_page(level, ground, place)) return vec4(TABLE_TOP, 1.0);
     vec4 texel = sample_place(place);
+#ifdef FADING
     float age = float(now_ms - place.arrival_ms);
-    if (fade_ms > 0.0 && age < fade_ms && place.level < top_level) {
+    if (age < fade_ms && place.level < top_level) {
         Place coarser;
         if (find_page(place.level + 1, ground, coarser))
             texel = mix(sample_place(coarser), texel, smoothstep(0.0, 1.0, age / fade_ms));
     }
+#endif
     return texel;
 }
 
@@ -143,7 +144,11 @@ void main() {
     vec3 ray = forward.xyz + across.x * right.xyz + across.y * up.xyz;
     float fall = -ray.z;
     if (fall <= 0.0) {
-        colour = filter_mode == FILTER_STORED ? vec4(0.0) : vec4(encode(sky(ray)) + dither() / 255.0, 1.0);
+#ifdef STORED_TEXELS
+        colour = vec4(0.0);
+#else
+        colour = vec4(encode(sky(ray)) + dither() / 255.0, 1.0);
+#endif
         return;
     }
     vec2 ground = height / fall * ray.xy;
@@ -159,30 +164,22 @@ void main() {
     vec2 to_edge = min(ground - extent_low, extent_high - ground);
     float covered = clamp(0.5 + min(to_edge.x, to_edge.y) / footprint, 0.0, 1.0);
 
-    if (filter_mode == FILTER_STORED) {
-        colour = covered < 0.5 ? vec4(0.0) : stored_texel(level, inside);
-        return;
-    }
-
-    vec4 texel = vec4(0.0);
-    if (covered > 0.0) {
-        int finer = int(floor(level));
-        float towards_coarser = level - float(finer);
-        texel = sample_level(finer, inside);
-        if (towards_coarser > 0.0)
-            texel = mix(texel, sample_level(min(finer + 1, top_level), inside), towards_coarser);
-        texel *= covered;
-    }
+#ifdef STORED_TEXELS
+    colour = covered < 0.5 ? vec4(0.0) : stored_texel(level, inside);
+#else
+    int finer = int(floor(level));
+    vec4 texel = mix(sample_level(finer, inside), sample_level(min(finer + 1, top_level), inside),
+                     level - float(finer));
+    texel *= covered;
     vec3 shaded = texel.rgb + (1.0 - texel.a) * TABLE_TOP;
-    if ((flags & FLAG_PAGE_BORDERS) != 0 && covered > 0.0) {
-        // How far the point moves along x and y when the pixel moves by one
-        vec2 by_row = along_row * abs(right.xy) / max(length(right.xy), 1e-20);
-        vec2 by_column = footprint * abs(ray.xy) / max(length(ray.xy), 1e-20);
-        shaded = with_page_borders(shaded, level, inside, max(by_row, by_column));
-    }
-    if ((flags & FLAG_HAZE) != 0) {
-        float below_horizon = fall / length(ray);
-        shaded = mix(shaded, HORIZON, exp(-below_horizon / HAZE_DEPTH));
-    }
+#ifdef PAGE_BORDERS
+    // How far the point moves along x and y when the pixel moves by one
+    vec2 by_row = along_row * abs(right.xy) / max(length(right.xy), 1e-20);
+    vec2 by_column = footprint * abs(ray.xy) / max(length(ray.xy), 1e-20);
+    shaded = mix(shaded, with_page_borders(shaded, level, inside, max(by_row, by_column)), covered);
+#endif
+    float below_horizon = fall / length(ray);
+    shaded = mix(shaded, HORIZON, haze * exp(-below_horizon / HAZE_DEPTH));
     colour = vec4(encode(shaded), 1.0);
+#endif
 }
