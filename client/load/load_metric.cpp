@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <charconv>
 #include <functional>
 #include <vector>
@@ -35,7 +36,8 @@ std::optional<double> hit_rate(const LoadTally& t) {
 
 std::optional<double> each_second(const LoadTally& t, std::uint64_t count) {
     if (t.measured.count() <= 0) return std::nullopt;
-    return number(count) / t.seconds();
+    const auto spent = std::max(t.measured, t.until_last_page);
+    return number(count) / std::chrono::duration<double>(spent).count();
 }
 
 const std::vector<Metric>& counts() {

@@ -207,6 +207,7 @@ asio::awaitable<void> Run::work(Line& line) {
         } else {
             ++recent_errors_;
         }
+        if (measured && reply && reply->status == 200) tally_.until_last_page = arrived - begin_;
         if (measured && reply) count(*reply, target, arrived - planned, arrived - sent);
         if (measured && !reply) count(reply.error(), arrived - planned, arrived - sent);
 

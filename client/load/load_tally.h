@@ -19,6 +19,10 @@ struct LoadTally {
     bool open_loop = false;
     std::chrono::nanoseconds measured{0};  ///< The time over which requests were planned or sent.
 
+    /// From the measured time's begin to the last page, if that came after its end: rates are over the
+    /// longer.
+    std::chrono::nanoseconds until_last_page{0};
+
     std::uint64_t planned = 0;  ///< Open loop: by the schedule. Closed loop: the same as sent.
     std::uint64_t sent = 0;
     std::uint64_t ok = 0;       ///< Answered 200 with a page.

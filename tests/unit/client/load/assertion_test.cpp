@@ -53,6 +53,14 @@ TEST(Assertion, ComparesMeasuresInTheirUnits) {
     EXPECT_TRUE(holds("hit_rate==75%"));
 }
 
+TEST(Assertion, TakesRatesOverTheTimeThatThePagesReallyTook) {
+    LoadTally late = tally();
+    late.until_last_page = 4s;
+    EXPECT_EQ(check(*parse_assertion("bytes_per_s==250"), late).actual, 250);
+    late.until_last_page = 1s;
+    EXPECT_EQ(check(*parse_assertion("bytes_per_s==500"), late).actual, 500);
+}
+
 TEST(Assertion, FailsWhereNothingWasMeasured) {
     EXPECT_FALSE(holds("late.p99<=1s"));
     EXPECT_FALSE(holds("mismatches==0"));
