@@ -49,7 +49,7 @@ test('the mouse moves and zooms, and the texel under the pointer stays where it 
   await page.waitForFunction(() => Number(location.hash.split('/')[1]) < 1.9);
   await page.mouse.move(901, 300);
   await page.mouse.move(900, 300);
-  await page.waitForTimeout(200);
+  await page.waitForTimeout(500);
   const x = Number((await read(page, 'x')).replaceAll(',', ''));
   assert.ok(Math.abs(x - 1001440) <= 4, `the pointer is at texel ${x} now`);
   await close();
@@ -62,7 +62,7 @@ test('"go to texel" jumps there, and back leads to where one was', async () => {
   await page.keyboard.type('274,877,906,943 12345 0');
   await page.keyboard.press('Enter');
   await page.waitForFunction(() => location.hash === '#clay/0/274877906943/12345');
-  assert.equal(await read(page, 'level'), '0');
+  await wait_for_reading(page, 'level', '0');
   await page.goBack();
   await page.waitForFunction(() => location.hash === '#clay/2/5000/5000');
   await wait_for_reading(page, 'x', '5,000');

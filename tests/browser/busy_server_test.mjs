@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import {after, before, test} from 'node:test';
 
-import {all_pages_shown, colours_at, open_browser, open_page, read, web_folder} from './harness.mjs';
+import {all_pages_shown, colours_at, open_browser, open_page, read, wait_for_colour, web_folder} from './harness.mjs';
 import {start_page_server, tint} from './page_server.mjs';
 
 let browser;
@@ -11,7 +11,12 @@ before(async () => {
 });
 after(() => browser?.close());
 
-const pause = (milliseconds) => new Promise((resolve) => setTimeout(resolve, milliseconds));
+/** Answers wait at it until it opens. */
+function gate() {
+  let open = () => {};
+  const opened = new Promise((resolve) => (open = resolve));
+  return {opened, open};
+}
 
 test('a busy server is asked again, but not before it said', async (t) => {
   /** @type {Map<string, number[]>} */
@@ -29,7 +34,7 @@ test('a busy server is asked again, but not before it said', async (t) => {
   t.after(server.stop);
   const {page, close} = await open_page(browser, `${server.origin}/#tints/1/1024/1024`);
   await all_pages_shown(page);
-  assert.deepEqual((await colours_at(page, [[640, 400]]))[0], tint(1, 2, 2));
+  await wait_for_colour(page, [640, 400], tint(1, 2, 2));
   const in_view = asked_at.get('/scenes/tints/r0-abc/3/2/2.png') ?? [];
   assert.equal(in_view.length, 2);
   assert.ok(in_view[1] - in_view[0] >= 1000, `asked again after ${in_view[1] - in_view[0]} ms`);
@@ -37,10 +42,11 @@ test('a busy server is asked again, but not before it said', async (t) => {
 });
 
 test('pages on screen stay until those of another accuracy are there', async (t) => {
+  const exact_pages = gate();
   const server = await start_page_server({
     web: web_folder,
     answer_page: async (_page, _response, url) => {
-      if (url.search === '?accuracy=exact') await pause(700);
+      if (url.search === '?accuracy=exact') await exact_pages.opened;
       return false;
     },
   });
@@ -51,18 +57,22 @@ test('pages on screen stay until those of another accuracy are there', async (t)
   await page.getByRole('radio', {name: 'Exact'}).check();
   for (let look = 0; look < 4; ++look) {
     assert.deepEqual((await colours_at(page, [[640, 400]]))[0], tint(1, 2, 2));
+    await page.waitForTimeout(100);
   }
+  assert.equal(await read(page, 'state'), 'loading');
+  exact_pages.open();
   await all_pages_shown(page);
   assert.ok(server.requests.some((url) => url.endsWith('?accuracy=exact')));
-  assert.deepEqual((await colours_at(page, [[640, 400]]))[0], tint(1, 2, 2));
+  await wait_for_colour(page, [640, 400], tint(1, 2, 2));
   await close();
 });
 
 test('a coarser page stands in for one that has not come', async (t) => {
+  const finest_pages = gate();
   const server = await start_page_server({
     web: web_folder,
     answer_page: async ({z}) => {
-      if (z === 4) await pause(1500);
+      if (z === 4) await finest_pages.opened;
       return false;
     },
   });
@@ -73,9 +83,9 @@ test('a coarser page stands in for one that has not come', async (t) => {
   await page.waitForFunction(() => document.querySelector('[data-read="level"]')?.textContent === '0');
   await page.waitForTimeout(200);
   assert.equal(await read(page, 'state'), 'loading');
-  assert.deepEqual((await colours_at(page, [[640, 400]]))[0], tint(1, 2, 2));
-  await all_pages_shown(page);
-  assert.deepEqual((await colours_at(page, [[640, 400]]))[0], tint(0, 4, 4));
+  await wait_for_colour(page, [640, 400], tint(1, 2, 2));
+  finest_pages.open();
+  await wait_for_colour(page, [640, 400], tint(0, 4, 4));
   await close();
 });
 
@@ -98,7 +108,7 @@ test('a page that has left the view is waited for no longer', async (t) => {
   await page.keyboard.press('Enter');
   await all_pages_shown(page);
   assert.ok(cancelled > 3, `${cancelled} requests were cancelled`);
-  assert.deepEqual((await colours_at(page, [[640, 400]]))[0], tint(0, Math.floor(500000 / 256), Math.floor(500000 / 256)));
+  await wait_for_colour(page, [640, 400], tint(0, Math.floor(500000 / 256), Math.floor(500000 / 256)));
   await close();
 });
 
@@ -120,6 +130,6 @@ test('a page that fails is told of, and comes when it is asked for again', async
   broken = false;
   await page.getByRole('button', {name: '1 failed: retry'}).click();
   await all_pages_shown(page);
-  assert.deepEqual((await colours_at(page, [[640, 400]]))[0], tint(1, 2, 2));
+  await wait_for_colour(page, [640, 400], tint(1, 2, 2));
   await close();
 });

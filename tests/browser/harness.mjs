@@ -130,6 +130,21 @@ export async function colours_at(page, points) {
   );
 }
 
+/**
+ * Waits until a pixel has a colour that passes, on however slow a machine; fails with the colour it has in the end.
+ * @param {any} page @param {number[]} point @param {number[] | ((colour: number[]) => boolean)} wanted
+ */
+export async function wait_for_colour(page, point, wanted) {
+  const passes = typeof wanted === 'function' ? wanted : (colour) => String(colour) === String(wanted);
+  let colour;
+  for (const give_up = Date.now() + 15000; Date.now() < give_up; ) {
+    [colour] = await colours_at(page, [point]);
+    if (passes(colour)) return;
+    await page.waitForTimeout(100);
+  }
+  assert.fail(`pixel ${point} has colour ${colour} in the end; wanted ${wanted}`);
+}
+
 const darkrooms = new WeakMap();
 
 /** An empty page that develops pictures, in a window of its own: the viewer's policy forbids its scripts to read them. */

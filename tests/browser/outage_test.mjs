@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import {after, before, test} from 'node:test';
 
-import {all_pages_shown, clay, colours_at, make_scenes, open_browser, open_page, start_tessera, wait_for_reading} from './harness.mjs';
+import {all_pages_shown, clay, make_scenes, open_browser, open_page, start_tessera, wait_for_colour, wait_for_reading} from './harness.mjs';
 
 let scenes, browser;
 before(async () => {
@@ -30,7 +30,7 @@ test('a server that stops is told of, and its pages come as soon as it is back',
   await banner.waitFor({state: 'hidden'});
   await wait_for_reading(page, 'x', '90,000,000');
   await all_pages_shown(page);
-  assert.deepEqual((await colours_at(page, [[640, 400]]))[0], clay);
+  await wait_for_colour(page, [640, 400], clay);
   await close();
 });
 
@@ -60,8 +60,6 @@ test('a scene that the server loads anew is shown anew, as soon as a page is ask
   await page.keyboard.press('Shift+ArrowRight');
   await page.keyboard.press('Shift+ArrowRight');
   await page.waitForResponse((response) => response.url().endsWith('/scenes/clay') && response.ok());
-  await page.waitForTimeout(300);
-  await all_pages_shown(page);
-  assert.deepEqual((await colours_at(page, [[640, 400]]))[0], slate);
+  await wait_for_colour(page, [640, 400], slate);
   await close();
 });
