@@ -10,8 +10,8 @@
 
 #include "server/bake/bake.h"
 #include "server/pages/page_encoder.h"
-#include "server/prepare/interrupt.h"
-#include "server/prepare/terminal_progress.h"
+#include "server/progress/interrupt.h"
+#include "server/progress/terminal_progress.h"
 #include "server/scene/scene.h"
 
 namespace tessera {
@@ -103,7 +103,7 @@ Result<void> run_bake(const Arguments& arguments) {
     const auto scene = load_scene(arguments.scene);
     if (!scene) return scene.error();
     const Interrupt interrupt;
-    TerminalProgress progress{{{"baking", 1.0}}, arguments.quiet, interrupt.token()};
+    TerminalProgress progress{"tessera bake", {{"baking", 1.0}}, arguments.quiet, interrupt.token()};
     return bake(*(*scene)->texture, *region,
                 Budget{.accuracy = accuracy_of(arguments.accuracy), .cancelled = interrupt.token()},
                 arguments.output, [&](double done) { progress.advance("baking", done); });

@@ -6,9 +6,9 @@
 
 #include <CLI/CLI.hpp>
 
-#include "server/prepare/interrupt.h"
 #include "server/prepare/prepare.h"
-#include "server/prepare/terminal_progress.h"
+#include "server/progress/interrupt.h"
+#include "server/progress/terminal_progress.h"
 #include "server/scene/asset_file.h"
 #include "server/scene/image_file.h"
 
@@ -37,7 +37,8 @@ Result<ContentExchangeAsset> prepare_file(const Arguments& arguments, Progress& 
 int run(const Arguments& arguments) {
     const Interrupt interrupt;
     Result<ContentExchangeAsset> asset = [&] {
-        TerminalProgress progress{{{"tile", 0.1}, {"patches", 0.05}, {"contents", 0.8}, {"writing", 0.05}},
+        TerminalProgress progress{"tessera prepare",
+                                  {{"tile", 0.1}, {"patches", 0.05}, {"contents", 0.8}, {"writing", 0.05}},
                                   arguments.quiet,
                                   interrupt.token()};
         return prepare_file(arguments, progress);

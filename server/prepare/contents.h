@@ -6,7 +6,7 @@
 #include "server/prepare/candidates.h"
 #include "server/prepare/patches.h"
 #include "server/prepare/perceptual.h"
-#include "server/prepare/progress.h"
+#include "server/progress/progress.h"
 #include "server/prepare/tile.h"
 
 namespace tessera {

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "server/prepare/progress.h"
+#include "server/progress/progress.h"
 #include "server/texture/content_exchange.h"
 #include "shared/result/result.h"
 

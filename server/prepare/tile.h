@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "server/prepare/perceptual.h"
-#include "server/prepare/progress.h"
+#include "server/progress/progress.h"
 
 namespace tessera {
 

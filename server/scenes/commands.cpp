@@ -8,8 +8,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "server/prepare/interrupt.h"
-#include "server/prepare/terminal_progress.h"
+#include "server/progress/interrupt.h"
+#include "server/progress/terminal_progress.h"
 #include "server/scenes/sample_scenes.h"
 #include "server/scenes/scene_folder.h"
 
@@ -30,6 +30,7 @@ bool make(const char* command, const std::string& id, const Arguments& arguments
           const std::function<Result<Made>(Progress&)>& work) {
     const auto made = [&] {
         TerminalProgress progress{
+            "tessera " + std::string{command} + ": " + id,
             {{"painting", 0.2}, {"tile", 0.15}, {"patches", 0.05}, {"contents", 0.5}, {"writing", 0.1}},
             arguments.quiet,
             interrupt.token()};

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "server/prepare/progress.h"
+#include "server/progress/progress.h"
 #include "shared/result/result.h"
 
 namespace tessera {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/prepare/progress.h"
+#include "server/progress/progress.h"
 #include "server/scene/image_file.h"
 #include "server/scene/scene.h"
 #include "server/scenes/paint_pebbles.h"

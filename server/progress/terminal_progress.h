@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "server/prepare/progress.h"
+#include "server/progress/progress.h"
 
 namespace tessera {
 
@@ -18,8 +18,9 @@ class TerminalProgress final : public Progress {
         double part = 0;
     };
 
-    /// `shares` in the order of the stages. `quiet` shows nothing, not even notes.
-    TerminalProgress(std::vector<Share> shares, bool quiet, std::stop_token stop);
+    /// `command`: who speaks, such as "tessera prepare". `shares` in the order of the stages. `quiet` shows
+    /// nothing, not even notes.
+    TerminalProgress(std::string command, std::vector<Share> shares, bool quiet, std::stop_token stop);
     ~TerminalProgress() override;
 
     void advance(std::string_view stage, double fraction) override;
@@ -32,6 +33,7 @@ class TerminalProgress final : public Progress {
     void wipe();
 
     std::mutex mutex_;
+    const std::string command_;
     const std::vector<Share> shares_;
     const bool quiet_;
     const bool terminal_;

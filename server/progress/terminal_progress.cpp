@@ -1,4 +1,4 @@
-#include "server/prepare/terminal_progress.h"
+#include "server/progress/terminal_progress.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -8,8 +8,10 @@
 
 namespace tessera {
 
-TerminalProgress::TerminalProgress(std::vector<Share> shares, bool quiet, std::stop_token stop)
-    : shares_{std::move(shares)},
+TerminalProgress::TerminalProgress(std::string command, std::vector<Share> shares, bool quiet,
+                                   std::stop_token stop)
+    : command_{std::move(command)},
+      shares_{std::move(shares)},
       quiet_{quiet},
       terminal_{::isatty(STDERR_FILENO) == 1},
       stop_{std::move(stop)} {}
@@ -30,7 +32,7 @@ void TerminalProgress::advance(std::string_view stage, double fraction) {
     whole_ = std::max(whole_, before + part * std::clamp(fraction, 0.0, 1.0));
     const auto now = Clock::now();
     if (!terminal_) {
-        if (next_stage) std::fprintf(stderr, "tessera prepare: %s\n", stage_.c_str());
+        if (next_stage) std::fprintf(stderr, "%s: %s\n", command_.c_str(), stage_.c_str());
     } else if (next_stage || now - drawn_at_ > std::chrono::milliseconds{100}) {
         draw(now);
     }
@@ -40,7 +42,7 @@ void TerminalProgress::note(const std::string& sentence) {
     if (quiet_) return;
     const std::lock_guard lock{mutex_};
     wipe();
-    std::fprintf(stderr, "tessera prepare: %s\n", sentence.c_str());
+    std::fprintf(stderr, "%s: %s\n", command_.c_str(), sentence.c_str());
 }
 
 void TerminalProgress::draw(Clock::time_point now) {

@@ -1,4 +1,4 @@
-#include "server/prepare/interrupt.h"
+#include "server/progress/interrupt.h"
 
 #include <ctime>
 
