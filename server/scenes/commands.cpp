@@ -1,5 +1,6 @@
 #include "server/scenes/commands.h"
 
+#include <cerrno>
 #include <cstdio>
 #include <functional>
 #include <memory>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <unistd.h>
 
 #include "server/progress/interrupt.h"
 #include "server/progress/terminal_progress.h"
@@ -46,6 +48,17 @@ bool make(const char* command, const std::string& id, const Arguments& arguments
     return true;
 }
 
+/// Before minutes of preparation, since it is cheap to ask.
+bool can_be_written(const char* command, const std::string& folder) {
+    std::error_code failure;
+    std::filesystem::create_directories(folder, failure);
+    if (!failure && access(folder.c_str(), W_OK) != 0) failure.assign(errno, std::generic_category());
+    if (failure)
+        std::fprintf(stderr, "tessera %s: %s: %s; choose a folder that can be written with -o\n", command,
+                     folder.c_str(), failure.message().c_str());
+    return !failure;
+}
+
 /// The samples asked for, or those that can be made; null after an error.
 std::unique_ptr<std::vector<Sample>> choose(const Arguments& arguments) {
     auto chosen = std::make_unique<std::vector<Sample>>();
@@ -71,7 +84,7 @@ std::unique_ptr<std::vector<Sample>> choose(const Arguments& arguments) {
 int run_samples(const Arguments& arguments) {
     const Interrupt interrupt;
     const auto chosen = choose(arguments);
-    if (chosen == nullptr) return 1;
+    if (chosen == nullptr || !can_be_written("samples", arguments.folder)) return 1;
     // One bad photograph does not stop the others
     bool good = true;
     for (const Sample& sample : *chosen) {
@@ -85,6 +98,7 @@ int run_samples(const Arguments& arguments) {
 
 int run_scene(const Arguments& arguments) {
     const Interrupt interrupt;
+    if (!can_be_written("scene", arguments.folder)) return 1;
     const std::string id = scene_id_of(arguments.photo);
     const bool good = make("scene", id, arguments, interrupt, [&](Progress& progress) {
         return make_photo_scene(arguments.photo, arguments.folder, arguments.force, progress);

@@ -24,10 +24,16 @@ proto::Scene described(std::string_view title, std::string_view attribution) {
     return scene;
 }
 
+/// A large photograph shows its things over many texels: it gets a larger tile.
+std::int32_t tile_side_for(const Rgb8Image& exemplar) {
+    return std::min(exemplar.width, exemplar.height) >= 2048 ? 1024 : PrepareOptions{}.tile_side;
+}
+
 /// Prepares `exemplar` and writes the scene that shows it. `where` names the exemplar in messages.
 Result<Made> make_content_exchange_scene(const Rgb8Image& exemplar, const std::string& where,
                                          proto::Scene scene, const fs::path& folder, Progress& progress) {
-    const PrepareOptions options;
+    PrepareOptions options;
+    options.tile_side = tile_side_for(exemplar);
     const auto asset = prepare_content_exchange(exemplar, options, progress);
     if (!asset) return Error{asset.error().code, where + ": " + asset.error().detail};
     progress.advance("writing", 0);
