@@ -171,7 +171,7 @@ asio::awaitable<void> PageClient::State::run(Line& line) {
         if (request.attempts > 1) ++counts_.retried;
         const std::string target = page_target(scene_.id, scene_.extent, request.page, request.options);
         HttpFields fields;
-        if (request.options.format == FetchFormat::rgba) fields.set("Accept-Encoding", "zstd");
+        if (request.options.format == PageFormat::rgba) fields.set("Accept-Encoding", "zstd");
         line.carries = id;
         Result<HttpReply> reply = co_await line.connection.get(target, fields);
         line.grace.cancel();
@@ -209,7 +209,7 @@ std::optional<Result<PageReply>> PageClient::State::judge(const std::string& tar
         }
         return Result<PageReply>{std::move(error)};
     }
-    const bool is_raw = request.options.format == FetchFormat::rgba;
+    const bool is_raw = request.options.format == PageFormat::rgba;
     const std::size_t most =
         is_raw ? raw_page_bytes(request.options) : std::size_t{settings_.limits.body_bytes};
     Result<std::string> bytes = decode_body(std::move(reply->body), reply->field("Content-Encoding"), most);

@@ -2,39 +2,6 @@
 
 namespace tessera {
 
-std::string_view ending(FetchFormat format) {
-    switch (format) {
-        case FetchFormat::rgba:
-            return "rgba";
-        case FetchFormat::png:
-            return "png";
-        case FetchFormat::jpg:
-            return "jpg";
-        case FetchFormat::webp:
-            return "webp";
-    }
-    return "rgba";
-}
-
-std::optional<FetchFormat> fetch_format(std::string_view text) {
-    for (const FetchFormat format :
-         {FetchFormat::rgba, FetchFormat::png, FetchFormat::jpg, FetchFormat::webp})
-        if (ending(format) == text) return format;
-    return std::nullopt;
-}
-
-std::string_view name_of(FetchAccuracy accuracy) {
-    switch (accuracy) {
-        case FetchAccuracy::exact:
-            return "exact";
-        case FetchAccuracy::high:
-            return "high";
-        case FetchAccuracy::fast:
-            return "fast";
-    }
-    return "high";
-}
-
 std::string percent_encoded(std::string_view text) {
     constexpr std::string_view digits = "0123456789ABCDEF";
     std::string encoded;
@@ -62,13 +29,13 @@ std::string page_target(std::string_view scene_id, Extent extent, PageKey page, 
         target += std::to_string(part);
     }
     target += '.';
-    target += ending(options.format);
+    target += extension(options.format);
     char separator = '?';
     if (options.gutter != 0) {
         target += "?gutter=" + std::to_string(options.gutter);
         separator = '&';
     }
-    if (options.accuracy != FetchAccuracy::high) {
+    if (options.accuracy != Accuracy::high) {
         target += separator;
         target += "accuracy=";
         target += name_of(options.accuracy);

@@ -148,10 +148,8 @@ CommandLine read_command_line(int argc, const char* const* argv) {
     }
     if (!options.camera_file.empty() && options.walk != "camera") return fail("--camera needs --walk camera");
     if (plan.accept_zstd && format != "rgba") return fail("--zstd needs --format rgba");
-    plan.options.format = *fetch_format(format);
-    plan.options.accuracy = accuracy == "exact"  ? FetchAccuracy::exact
-                            : accuracy == "fast" ? FetchAccuracy::fast
-                                                 : FetchAccuracy::high;
+    plan.options.format = *page_format(format);
+    plan.options.accuracy = *accuracy_named(accuracy);
     if (rate > 0) plan.rate = rate;
     const auto nanoseconds_of = [](const std::string& text) {
         return std::chrono::nanoseconds{std::llround(seconds(text) * 1e9)};

@@ -106,7 +106,7 @@ std::string json_report(const LoadOptions& options, const LoadOutcome& outcome,
         .field("levels", options.levels)
         .field("working_set", options.working_set)
         .field("seed", options.seed)
-        .field("format", ending(plan.options.format))
+        .field("format", extension(plan.options.format))
         .field("gutter", plan.options.gutter)
         .field("accuracy", name_of(plan.options.accuracy))
         .field("zstd", plan.accept_zstd)
@@ -178,7 +178,7 @@ std::string text_report(const LoadOptions& options, const LoadOutcome& outcome,
     const LoadPlan& plan = options.plan;
     std::ostringstream out;
     out << plan.server.url() << "  scene " << plan.scene.id << ", " << options.walk << " walk, "
-        << ending(plan.options.format)
+        << extension(plan.options.format)
         << (plan.options.gutter > 0 ? ", gutter " + std::to_string(plan.options.gutter) : "") << ", "
         << plan.connections << " connections, "
         << (plan.rate ? "open loop at " + fixed(*plan.rate, *plan.rate < 10 ? 2 : 0) + " pages/s"

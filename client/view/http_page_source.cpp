@@ -18,7 +18,7 @@ HttpPageSource::HttpPageSource(const ServerAddress& server, const SceneInfo& sce
     : client_{server, scene, client_settings(connections)} {}
 
 bool HttpPageSource::request(PageKey page) {
-    const auto id = client_.request(page, {.format = FetchFormat::rgba, .gutter = gutter_texels});
+    const auto id = client_.request(page, {.format = PageFormat::rgba, .gutter = gutter_texels});
     if (!id) return false;
     ids_[page] = *id;
     return true;

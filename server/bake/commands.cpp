@@ -27,10 +27,6 @@ struct Arguments {
     bool quiet = false;
 };
 
-Accuracy accuracy_of(const std::string& name) {
-    return name == "fast" ? Accuracy::fast : name == "high" ? Accuracy::high : Accuracy::exact;
-}
-
 Result<void> write_file(const std::string& file, const std::vector<std::uint8_t>& bytes) {
     std::ofstream out{file, std::ios::binary | std::ios::trunc};
     out.write(reinterpret_cast<const char*>(bytes.data()), std::ssize(bytes));
@@ -60,7 +56,7 @@ Result<void> run_page(const Arguments& arguments) {
     const PageKey page{static_cast<std::uint8_t>(arguments.level), arguments.x, arguments.y};
     Rgba8Image texels;
     const auto evaluation = (*scene)->texture->evaluate(
-        region_of(page, arguments.gutter), Budget{.accuracy = accuracy_of(arguments.accuracy)}, texels);
+        region_of(page, arguments.gutter), Budget{.accuracy = *accuracy_named(arguments.accuracy)}, texels);
     if (!evaluation) return evaluation.error();
     const auto bytes = encode_page(texels, *format);
     if (!bytes) return bytes.error();
@@ -105,7 +101,7 @@ Result<void> run_bake(const Arguments& arguments) {
     const Interrupt interrupt;
     TerminalProgress progress{"tessera bake", {{"baking", 1.0}}, arguments.quiet, interrupt.token()};
     return bake(*(*scene)->texture, *region,
-                Budget{.accuracy = accuracy_of(arguments.accuracy), .cancelled = interrupt.token()},
+                Budget{.accuracy = *accuracy_named(arguments.accuracy), .cancelled = interrupt.token()},
                 arguments.output, [&](double done) { progress.advance("baking", done); });
 }
 

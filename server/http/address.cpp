@@ -63,13 +63,6 @@ std::optional<PageAddress::Pin> pin_of(std::string_view text) {
     return PageAddress::Pin{*revision, std::string{fingerprint}};
 }
 
-std::optional<Accuracy> accuracy_named(std::string_view name) {
-    if (name == "exact") return Accuracy::exact;
-    if (name == "high") return Accuracy::high;
-    if (name == "fast") return Accuracy::fast;
-    return std::nullopt;
-}
-
 }  // namespace
 
 void throw_exception_from_error(const Refusal& refusal, const boost::source_location&) {

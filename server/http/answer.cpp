@@ -37,10 +37,6 @@ unsigned status_of(ErrorCode code) {
     return 500;
 }
 
-std::string_view accuracy_name(Accuracy accuracy) {
-    return accuracy == Accuracy::exact ? "exact" : accuracy == Accuracy::high ? "high" : "fast";
-}
-
 std::string decimal(double value) {
     char text[32];
     return {text, static_cast<std::size_t>(std::snprintf(text, sizeof text, "%.6g", value))};
@@ -124,7 +120,7 @@ std::string page_prelude(const EncodedPage& page) {
     field("Tessera-Bound", decimal(page.evaluation.bound_codes));
     field("Tessera-Confidence", decimal(page.evaluation.confidence));
     field("Tessera-Work", std::to_string(page.evaluation.work));
-    field("Tessera-Accuracy", accuracy_name(page.options.accuracy));
+    field("Tessera-Accuracy", name_of(page.options.accuracy));
     field("Tessera-Revision", std::to_string(page.revision));
     field("Tessera-Level", std::to_string(page.key.level));
     text += prelude_of_text;

@@ -2,7 +2,7 @@
 
 #include "proto/page.pb.h"
 
-#include "server/pages/page_format.h"
+#include "shared/page/page_format.h"
 #include "shared/wire/json.h"
 
 namespace tessera {

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "server/pages/page_format.h"
+#include "shared/page/page_format.h"
 #include "shared/page/texel_image.h"
 #include "shared/result/result.h"
 

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <string>
 
-#include "server/pages/page_format.h"
 #include "server/scene/scene.h"
 #include "server/texture/texture.h"
+#include "shared/page/page_format.h"
 #include "shared/page/page_key.h"
 
 namespace tessera {

@@ -6,19 +6,12 @@
 #include <string>
 #include <string_view>
 
+#include "shared/page/accuracy.h"
 #include "shared/page/page_key.h"
 #include "shared/page/texel_image.h"
 #include "shared/result/result.h"
 
 namespace tessera {
-
-/// How much error a request allows (DESIGN section 3).
-enum class Accuracy : std::uint8_t {
-    exact,  ///< No bound but rounding, where the method has an exact evaluation; else the least bound it can
-            ///< reach.
-    high,   ///< The default: as `exact` where that is cheap, else an expectation with a small bound.
-    fast,   ///< The cheapest answer that still carries a bound.
-};
 
 /// What one evaluation may cost. An evaluation looks at both limits about once a row.
 struct Budget {

@@ -9,6 +9,8 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include "tests/support/temporary_folder.h"
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -22,12 +24,9 @@ struct Outcome {
 class BakeCommands : public testing::Test {
   protected:
     BakeCommands() {
-        std::string pattern = (fs::temp_directory_path() / "tessera-bake-XXXXXX").string();
-        folder_ = mkdtemp(pattern.data());
         fs::create_directory(folder_ / "board");
         write("board/scene.json", R"({"checker": {"cell_texels": 16}, "extent_log2_pages": 12})");
     }
-    ~BakeCommands() override { fs::remove_all(folder_); }
 
     void write(const std::string& name, const std::string& text) { std::ofstream{folder_ / name} << text; }
 
@@ -52,7 +51,8 @@ class BakeCommands : public testing::Test {
         return values;
     }
 
-    fs::path folder_;
+    const tessera::tests::TemporaryFolder temporary_;
+    const fs::path folder_ = temporary_.path;
 };
 
 TEST_F(BakeCommands, PageWritesTheSameBytesEveryTime) {

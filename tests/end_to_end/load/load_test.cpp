@@ -7,6 +7,7 @@
 
 #include "shared/wire/json.h"
 #include "tests/end_to_end/load/child_process.h"
+#include "tests/support/temporary_folder.h"
 
 namespace tessera::test {
 namespace {
@@ -18,9 +19,6 @@ using Fields = google::protobuf::Map<std::string, google::protobuf::Value>;
 class Load : public testing::Test {
   protected:
     void SetUp() override {
-        std::string pattern = (std::filesystem::temp_directory_path() / "tessera-load-test-XXXXXX").string();
-        ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-        folder_ = pattern;
         std::filesystem::create_directories(folder_ / "scenes" / "checker");
         std::ofstream{folder_ / "scenes" / "checker" / "scene.json"}
             << R"({"title": "A checker", "extent_log2_pages": 12, "checker": {"cell_texels": 40}})";
@@ -34,7 +32,6 @@ class Load : public testing::Test {
     }
     void TearDown() override {
         server_.reset();
-        std::filesystem::remove_all(folder_);
     }
 
     ChildProcess start(std::vector<std::string> arguments, const std::string& scene = "checker") const {
@@ -65,7 +62,8 @@ class Load : public testing::Test {
         return value == inner.end() ? -1 : value->second.number_value();
     }
 
-    std::filesystem::path folder_;
+    const tests::TemporaryFolder temporary_;
+    const std::filesystem::path& folder_ = temporary_.path;
     std::unique_ptr<ChildProcess> server_;
     std::string url_;
 };

@@ -121,7 +121,7 @@ class PageRayCaster {
     }
 
     std::string fetch(PageKey key) {
-        client_.request(key, {.format = FetchFormat::rgba});
+        client_.request(key, {.format = PageFormat::rgba});
         for (;;) {
             client_.wait_for_finished(std::chrono::seconds{30});
             for (FinishedPage& page : client_.take_finished()) {

@@ -86,7 +86,7 @@ TEST(PageClient, TriesAgainWhenTheServerIsOverloadedAndWaitsAsLongAsItSays) {
     PageClient client{context.get_executor(), server.address(), checker_info(), settings};
     Answers answers;
     const auto start = std::chrono::steady_clock::now();
-    const RequestId id = client.get({}, {.format = FetchFormat::png}, answers.collect());
+    const RequestId id = client.get({}, {.format = PageFormat::png}, answers.collect());
     context.run();
     EXPECT_EQ(answers.all.at(id).value().bytes, "png");
     EXPECT_GE(std::chrono::steady_clock::now() - start, 160ms);
@@ -133,9 +133,9 @@ TEST(PageClient, RefusesWhatTheServerWouldAnywayWithoutAskingIt) {
     Answers answers;
     const RequestId outside = client.get({.level = 1, .x = 2, .y = 0}, {}, answers.collect());
     const RequestId wide = client.get({}, {.gutter = 17}, answers.collect());
-    client.get({}, {.format = FetchFormat::png}, answers.collect());
-    client.get({}, {.format = FetchFormat::png}, answers.collect());
-    const RequestId too_many = client.get({}, {.format = FetchFormat::png}, answers.collect());
+    client.get({}, {.format = PageFormat::png}, answers.collect());
+    client.get({}, {.format = PageFormat::png}, answers.collect());
+    const RequestId too_many = client.get({}, {.format = PageFormat::png}, answers.collect());
     EXPECT_TRUE(answers.all.empty()) << "completions never run within get()";
     context.run();
     EXPECT_EQ(answers.all.at(outside).error().code, ErrorCode::no_such_page);
@@ -151,7 +151,7 @@ TEST(PageClient, CancelsWaitingRequestsUnsentAndHangsUpOnSlowOnes) {
     settings.connections = 1;
     PageClient client{context.get_executor(), server.address(), checker_info(), settings};
     Answers answers;
-    const FetchOptions png{.format = FetchFormat::png};
+    const FetchOptions png{.format = PageFormat::png};
     const RequestId slow = client.get({.x = 1}, png, answers.collect());
     const RequestId waiting = client.get({.x = 2}, png, answers.collect());
     const RequestId wanted = client.get({.x = 3}, png, answers.collect());
@@ -179,11 +179,11 @@ TEST(PageClient, LetsACancelledAnswerArriveIfItIsNearlyHere) {
     settings.cancel_grace = 500ms;
     PageClient client{context.get_executor(), server.address(), checker_info(), settings};
     Answers answers;
-    const RequestId id = client.get({}, {.format = FetchFormat::png}, answers.collect());
+    const RequestId id = client.get({}, {.format = PageFormat::png}, answers.collect());
     boost::asio::steady_timer timer{context, 10ms};
     timer.async_wait([&](boost::system::error_code) {
         client.cancel(id);
-        client.get({.x = 1}, {.format = FetchFormat::png}, answers.collect());
+        client.get({.x = 1}, {.format = PageFormat::png}, answers.collect());
     });
     context.run();
     EXPECT_EQ(answers.all.size(), 2u);

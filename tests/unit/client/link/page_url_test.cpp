@@ -6,16 +6,16 @@ namespace tessera {
 namespace {
 
 TEST(PageUrl, CountsZoomFromTheCoarsestLevel) {
-    EXPECT_EQ(page_target("pebbles", Extent{20}, {.level = 3, .x = 5, .y = 9}, {.format = FetchFormat::png}),
+    EXPECT_EQ(page_target("pebbles", Extent{20}, {.level = 3, .x = 5, .y = 9}, {.format = PageFormat::png}),
               "/scenes/pebbles/17/5/9.png");
     EXPECT_EQ(page_target("pebbles", Extent{20}, {.level = 20, .x = 0, .y = 0}, {}),
               "/scenes/pebbles/0/0/0.rgba");
 }
 
 TEST(PageUrl, NamesOnlyWhatIsNotTheDefaultInOneOrder) {
-    EXPECT_EQ(page_target("s", Extent{1}, {}, {FetchFormat::webp, 4, FetchAccuracy::exact}),
+    EXPECT_EQ(page_target("s", Extent{1}, {}, {PageFormat::webp, 4, Accuracy::exact}),
               "/scenes/s/1/0/0.webp?gutter=4&accuracy=exact");
-    EXPECT_EQ(page_target("s", Extent{1}, {}, {FetchFormat::jpg, 4, FetchAccuracy::high}),
+    EXPECT_EQ(page_target("s", Extent{1}, {}, {PageFormat::jpg, 4, Accuracy::high}),
               "/scenes/s/1/0/0.jpg?gutter=4");
 }
 
@@ -24,8 +24,8 @@ TEST(PageUrl, EncodesASceneThatTriesToLeaveItsSegment) {
 }
 
 TEST(PageUrl, KnowsTheEndingsOfItsFormats) {
-    EXPECT_EQ(fetch_format("jpg"), FetchFormat::jpg);
-    EXPECT_EQ(fetch_format("gif"), std::nullopt);
+    EXPECT_EQ(page_format("jpg"), PageFormat::jpg);
+    EXPECT_EQ(page_format("gif"), std::nullopt);
 }
 
 }  // namespace

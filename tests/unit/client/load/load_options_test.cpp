@@ -47,7 +47,7 @@ TEST(LoadOptions, ReadsACommandLine) {
     EXPECT_EQ(options.plan.duration, 2min);
     EXPECT_EQ(options.plan.warmup, 500ms);
     EXPECT_EQ(options.plan.connections, 64u);
-    EXPECT_EQ(options.plan.options, (FetchOptions{FetchFormat::rgba, 4, FetchAccuracy::high}));
+    EXPECT_EQ(options.plan.options, (FetchOptions{PageFormat::rgba, 4, Accuracy::high}));
     EXPECT_TRUE(options.plan.accept_zstd);
     EXPECT_EQ(options.assertions.size(), 2u);
     EXPECT_EQ(options.json_file, "-");

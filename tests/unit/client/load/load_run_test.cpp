@@ -23,7 +23,7 @@ LoadPlan plan_for(const SmallServer& server) {
     plan.server = server.address();
     plan.scene.id = "checker";
     plan.scene.extent.n = 10;
-    plan.options.format = FetchFormat::png;
+    plan.options.format = PageFormat::png;
     plan.connections = 8;
     plan.duration = 300ms;
     plan.timeout = 5s;

@@ -11,7 +11,7 @@
 
 #include "server/scene/image_file.h"
 #include "shared/math/hash.h"
-#include "tests/unit/server/scene/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace tessera {
 namespace {
@@ -49,7 +49,7 @@ std::string text_of(const fs::path& file) {
 
 class AssetFile : public testing::Test {
   protected:
-    test::TemporaryFolder folder;
+    tests::TemporaryFolder folder;
     fs::path asset = folder.path / "asset";
     fs::path json = asset / "asset.json";
 

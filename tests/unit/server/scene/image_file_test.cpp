@@ -9,7 +9,7 @@
 
 #include "server/scene/png_file.h"
 #include "shared/math/hash.h"
-#include "tests/unit/server/scene/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace tessera {
 namespace {
@@ -49,7 +49,7 @@ void write_foreign(const fs::path& file, int width, int height, int channels, OI
 
 class ImageFile : public testing::Test {
   protected:
-    test::TemporaryFolder folder;
+    tests::TemporaryFolder folder;
     fs::path at(const char* name) const { return folder.path / name; }
 
     void expect_refused(const fs::path& file, ErrorCode code, const char* says,

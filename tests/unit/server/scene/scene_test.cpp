@@ -7,7 +7,7 @@
 
 #include "server/scene/asset_file.h"
 #include "tests/support/synthetic_asset.h"
-#include "tests/unit/server/scene/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace tessera {
 namespace {
@@ -24,7 +24,7 @@ class SceneFolders : public testing::Test {
         return folder;
     }
 
-    test::TemporaryFolder folder_;
+    tests::TemporaryFolder folder_;
 };
 
 TEST_F(SceneFolders, AFolderWithASceneFileIsAScene) {

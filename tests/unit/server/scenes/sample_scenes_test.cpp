@@ -8,7 +8,7 @@
 #include "server/scene/image_file.h"
 #include "server/scene/scene.h"
 #include "server/scenes/paint_pebbles.h"
-#include "tests/unit/server/scenes/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace tessera {
 namespace {
@@ -27,42 +27,42 @@ TEST(Samples, AreFoundByName) {
 }
 
 TEST(Samples, PatternsLoadAndAreKeptTheSecondTime) {
-    const TemporaryFolder temporary;
+    const tests::TemporaryFolder temporary;
     SilentProgress progress;
     for (const char* name : {"constant", "checker"}) {
         const Sample& sample = *find_sample(name);
-        EXPECT_EQ(make_sample(sample, temporary.path(), "", false, progress).value(), Made::written);
-        EXPECT_EQ(make_sample(sample, temporary.path(), "", false, progress).value(), Made::kept);
-        EXPECT_EQ(make_sample(sample, temporary.path(), "", true, progress).value(), Made::written);
-        const auto scene = load_scene(temporary.path() / name);
+        EXPECT_EQ(make_sample(sample, temporary.path, "", false, progress).value(), Made::written);
+        EXPECT_EQ(make_sample(sample, temporary.path, "", false, progress).value(), Made::kept);
+        EXPECT_EQ(make_sample(sample, temporary.path, "", true, progress).value(), Made::written);
+        const auto scene = load_scene(temporary.path / name);
         ASSERT_TRUE(scene) << scene.error().detail;
         EXPECT_EQ((*scene)->title, sample.title);
     }
 }
 
 TEST(Samples, ABrokenFolderIsMadeAgain) {
-    const TemporaryFolder temporary;
+    const tests::TemporaryFolder temporary;
     SilentProgress progress;
-    fs::create_directory(temporary.path() / "checker");
-    std::ofstream{temporary.path() / "checker" / "scene.json"} << "{";
-    EXPECT_EQ(make_sample(*find_sample("checker"), temporary.path(), "", false, progress).value(),
+    fs::create_directory(temporary.path / "checker");
+    std::ofstream{temporary.path / "checker" / "scene.json"} << "{";
+    EXPECT_EQ(make_sample(*find_sample("checker"), temporary.path, "", false, progress).value(),
               Made::written);
-    EXPECT_TRUE(load_scene(temporary.path() / "checker"));
+    EXPECT_TRUE(load_scene(temporary.path / "checker"));
 }
 
 TEST(Samples, ASampleWithoutItsPhotographNamesTheFile) {
-    const TemporaryFolder temporary;
+    const tests::TemporaryFolder temporary;
     SilentProgress progress;
     const auto made =
-        make_sample(*find_sample("coffee"), temporary.path(), temporary.path() / "photos", false, progress);
+        make_sample(*find_sample("coffee"), temporary.path, temporary.path / "photos", false, progress);
     ASSERT_FALSE(made);
     EXPECT_NE(made.error().detail.find("coffee.jpg"), std::string::npos);
 }
 
 TEST(PhotoScene, ShowsThePhotographUnderItsName) {
-    const TemporaryFolder temporary;
+    const tests::TemporaryFolder temporary;
     SilentProgress progress;
-    const fs::path photo = temporary.path() / "my garden.png", scenes = temporary.path() / "scenes";
+    const fs::path photo = temporary.path / "my garden.png", scenes = temporary.path / "scenes";
     write_photo(photo, 1);
     const auto made = make_photo_scene(photo, scenes, false, progress);
     ASSERT_TRUE(made) << made.error().detail;
@@ -73,9 +73,9 @@ TEST(PhotoScene, ShowsThePhotographUnderItsName) {
 }
 
 TEST(PhotoScene, IsKeptForTheSamePictureAndMadeAgainForAnother) {
-    const TemporaryFolder temporary;
+    const tests::TemporaryFolder temporary;
     SilentProgress progress;
-    const fs::path photo = temporary.path() / "a.png", scenes = temporary.path() / "scenes";
+    const fs::path photo = temporary.path / "a.png", scenes = temporary.path / "scenes";
     write_photo(photo, 1);
     EXPECT_EQ(make_photo_scene(photo, scenes, false, progress).value(), Made::written);
     const std::string before = load_scene(scenes / "a").value()->fingerprint;
@@ -88,14 +88,14 @@ TEST(PhotoScene, IsKeptForTheSamePictureAndMadeAgainForAnother) {
 }
 
 TEST(PhotoScene, AFileThatIsNoImageIsAnErrorThatNamesIt) {
-    const TemporaryFolder temporary;
+    const tests::TemporaryFolder temporary;
     SilentProgress progress;
-    const fs::path photo = temporary.path() / "notes.jpg";
+    const fs::path photo = temporary.path / "notes.jpg";
     std::ofstream{photo} << "these are not the texels you are looking for";
-    const auto made = make_photo_scene(photo, temporary.path() / "scenes", false, progress);
+    const auto made = make_photo_scene(photo, temporary.path / "scenes", false, progress);
     ASSERT_FALSE(made);
     EXPECT_NE(made.error().detail.find("notes.jpg"), std::string::npos);
-    EXPECT_FALSE(fs::exists(temporary.path() / "scenes" / "notes"));
+    EXPECT_FALSE(fs::exists(temporary.path / "scenes" / "notes"));
 }
 
 }  // namespace

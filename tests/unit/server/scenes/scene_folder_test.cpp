@@ -7,7 +7,7 @@
 #include "proto/scene.pb.h"
 
 #include "server/scene/scene.h"
-#include "tests/unit/server/scenes/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace tessera {
 namespace {
@@ -40,48 +40,48 @@ TEST(SceneIdOf, IsNeverEmptyAndNeverLong) {
 }
 
 TEST(SceneFolder, WritesASceneThatLoads) {
-    const TemporaryFolder temporary;
-    ASSERT_TRUE(write_scene_folder(temporary.path() / "plain", constant_scene(7), nullptr, 0));
-    const auto scene = load_scene(temporary.path() / "plain");
+    const tests::TemporaryFolder temporary;
+    ASSERT_TRUE(write_scene_folder(temporary.path / "plain", constant_scene(7), nullptr, 0));
+    const auto scene = load_scene(temporary.path / "plain");
     ASSERT_TRUE(scene) << scene.error().detail;
     EXPECT_EQ((*scene)->id, "plain");
     EXPECT_EQ((*scene)->title, "One colour");
-    EXPECT_TRUE(holds_valid_scene(temporary.path() / "plain"));
+    EXPECT_TRUE(holds_valid_scene(temporary.path / "plain"));
 }
 
 TEST(SceneFolder, ReplacesASceneAndLeavesNothingElseBehind) {
-    const TemporaryFolder temporary;
-    ASSERT_TRUE(write_scene_folder(temporary.path() / "plain", constant_scene(7), nullptr, 0));
-    const std::string before = (*load_scene(temporary.path() / "plain"))->fingerprint;
-    ASSERT_TRUE(write_scene_folder(temporary.path() / "plain", constant_scene(8), nullptr, 0));
-    EXPECT_NE((*load_scene(temporary.path() / "plain"))->fingerprint, before);
-    EXPECT_EQ(std::distance(fs::directory_iterator{temporary.path()}, fs::directory_iterator{}), 1);
+    const tests::TemporaryFolder temporary;
+    ASSERT_TRUE(write_scene_folder(temporary.path / "plain", constant_scene(7), nullptr, 0));
+    const std::string before = (*load_scene(temporary.path / "plain"))->fingerprint;
+    ASSERT_TRUE(write_scene_folder(temporary.path / "plain", constant_scene(8), nullptr, 0));
+    EXPECT_NE((*load_scene(temporary.path / "plain"))->fingerprint, before);
+    EXPECT_EQ(std::distance(fs::directory_iterator{temporary.path}, fs::directory_iterator{}), 1);
 }
 
 TEST(SceneFolder, RefusesToReplaceAFolderThatIsNoScene) {
-    const TemporaryFolder temporary;
-    fs::create_directory(temporary.path() / "letters");
-    std::ofstream{temporary.path() / "letters" / "dear.txt"} << "kept";
-    const auto written = write_scene_folder(temporary.path() / "letters", constant_scene(7), nullptr, 0);
+    const tests::TemporaryFolder temporary;
+    fs::create_directory(temporary.path / "letters");
+    std::ofstream{temporary.path / "letters" / "dear.txt"} << "kept";
+    const auto written = write_scene_folder(temporary.path / "letters", constant_scene(7), nullptr, 0);
     ASSERT_FALSE(written);
     EXPECT_EQ(written.error().code, ErrorCode::invalid_input);
-    EXPECT_TRUE(fs::exists(temporary.path() / "letters" / "dear.txt"));
+    EXPECT_TRUE(fs::exists(temporary.path / "letters" / "dear.txt"));
 }
 
 TEST(SceneFolder, SaysWhereItCouldNotWrite) {
-    const TemporaryFolder temporary;
-    std::ofstream{temporary.path() / "file"} << "not a folder";
+    const tests::TemporaryFolder temporary;
+    std::ofstream{temporary.path / "file"} << "not a folder";
     const auto written =
-        write_scene_folder(temporary.path() / "file" / "scene", constant_scene(7), nullptr, 0);
+        write_scene_folder(temporary.path / "file" / "scene", constant_scene(7), nullptr, 0);
     ASSERT_FALSE(written);
     EXPECT_NE(written.error().detail.find("file"), std::string::npos);
 }
 
 TEST(SceneFolder, ABrokenSceneIsNotValid) {
-    const TemporaryFolder temporary;
-    EXPECT_FALSE(holds_valid_scene(temporary.path() / "absent"));
-    std::ofstream{temporary.path() / "scene.json"} << "{\"constant\": 3}";
-    EXPECT_FALSE(holds_valid_scene(temporary.path()));
+    const tests::TemporaryFolder temporary;
+    EXPECT_FALSE(holds_valid_scene(temporary.path / "absent"));
+    std::ofstream{temporary.path / "scene.json"} << "{\"constant\": 3}";
+    EXPECT_FALSE(holds_valid_scene(temporary.path));
 }
 
 }  // namespace

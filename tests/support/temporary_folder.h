@@ -2,16 +2,18 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <stdexcept>
 #include <string>
 
-namespace tessera::test {
+namespace tessera::tests {
 
 /// A folder of its own for one test, removed with everything in it.
 class TemporaryFolder {
   public:
     TemporaryFolder() {
-        std::string pattern = (std::filesystem::temp_directory_path() / "tessera-scene-XXXXXX").string();
-        path = mkdtemp(pattern.data());
+        std::string pattern = (std::filesystem::temp_directory_path() / "tessera-test-XXXXXX").string();
+        if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error{"no temporary folder: " + pattern};
+        path = pattern;
     }
     TemporaryFolder(const TemporaryFolder&) = delete;
     TemporaryFolder& operator=(const TemporaryFolder&) = delete;
@@ -23,4 +25,4 @@ class TemporaryFolder {
     std::filesystem::path path;
 };
 
-}  // namespace tessera::test
+}  // namespace tessera::tests
