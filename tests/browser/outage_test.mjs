@@ -55,11 +55,15 @@ test('a scene that the server loads anew is shown anew, as soon as a page is ask
   const slate = [70, 84, 92];
   await scenes.paint_clay(slate);
   t.after(() => scenes.paint_clay(clay));
+  const fingerprint = async () => (await (await fetch(`${server.origin}/scenes/clay`)).json()).tessera.fingerprint;
+  const before_reload = await fingerprint();
   server.reload_scenes();
-  await page.waitForTimeout(500);
+  while ((await fingerprint()) === before_reload) await page.waitForTimeout(20);
+
+  const asked_again = page.waitForResponse((response) => response.url().endsWith('/scenes/clay') && response.ok());
   await page.keyboard.press('Shift+ArrowRight');
   await page.keyboard.press('Shift+ArrowRight');
-  await page.waitForResponse((response) => response.url().endsWith('/scenes/clay') && response.ok());
+  await asked_again;
   await wait_for_colour(page, [640, 400], slate);
   await close();
 });
