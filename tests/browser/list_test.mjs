@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import {after, before, test} from 'node:test';
 
-import {clay, colours_at, make_scenes, open_browser, open_page, start_tessera} from './harness.mjs';
+import {clay, make_scenes, open_browser, open_page, start_tessera, wait_for_colour} from './harness.mjs';
 
 let scenes, server, browser;
 before(async () => {
@@ -32,10 +32,9 @@ test('shows live texels of a scene on its card', async () => {
   const {page, close} = await open_page(browser, server.origin);
   const thumbnail = page.locator('.card', {hasText: 'Fired clay'}).locator('canvas.drawn');
   await thumbnail.waitFor();
-  await page.waitForTimeout(400); // it fades in
   const {x, y, width, height} = await thumbnail.boundingBox();
   const points = [[0.2, 0.2], [0.5, 0.5], [0.8, 0.8]].map(([u, v]) => [Math.round(x + u * width), Math.round(y + v * height)]);
-  for (const colour of await colours_at(page, points)) assert.deepEqual(colour, clay);
+  for (const point of points) await wait_for_colour(page, point, clay); // it fades in
   await close();
 });
 
