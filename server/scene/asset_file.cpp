@@ -1,11 +1,8 @@
 #include "server/scene/asset_file.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
 #include <set>
 
-#include <fcntl.h>
 #include <unistd.h>
 
 #include "proto/asset.pb.h"
@@ -188,25 +185,6 @@ Result<void> write_parts(const fs::path& folder, const ContentExchangeAsset& ass
         !done)
         return done;
     return sync_folder(folder);
-}
-
-/// Puts `made` in the place of `folder`. Afterwards `made` is gone, or is what was there before.
-Result<void> move_into_place(const fs::path& made, const fs::path& folder) {
-    // One step where the file system can exchange two names; else a moment with neither
-    if (::renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, folder.c_str(), RENAME_NOREPLACE) == 0 ||
-        ::renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, folder.c_str(), RENAME_EXCHANGE) == 0)
-        return {};
-    std::error_code failure;
-    if (fs::exists(folder)) {
-        const fs::path old = made.string() + ".old";
-        fs::rename(folder, old, failure);
-        if (!failure) fs::rename(made, folder, failure);
-        if (!failure) fs::rename(old, made, failure);
-    } else {
-        fs::rename(made, folder, failure);
-    }
-    if (failure) return Error{ErrorCode::io_failure, folder.string() + ": " + failure.message()};
-    return {};
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "server/scene/whole_file.h"
 
 #include <cerrno>
+#include <cstdio>
 #include <fstream>
 #include <system_error>
 
@@ -60,6 +61,25 @@ Result<void> sync_folder(const std::filesystem::path& folder) {
     const int code = ::fsync(descriptor) == 0 || errno == EINVAL ? 0 : errno;
     ::close(descriptor);
     if (code != 0) return failed(folder, code);
+    return {};
+}
+
+Result<void> move_into_place(const std::filesystem::path& made, const std::filesystem::path& folder) {
+    namespace fs = std::filesystem;
+    // One step where the file system can exchange two names; else a moment with neither
+    if (::renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, folder.c_str(), RENAME_NOREPLACE) == 0 ||
+        ::renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, folder.c_str(), RENAME_EXCHANGE) == 0)
+        return {};
+    std::error_code failure;
+    if (fs::exists(folder, failure)) {
+        const fs::path old = made.string() + ".old";
+        fs::rename(folder, old, failure);
+        if (!failure) fs::rename(made, folder, failure);
+        if (!failure) fs::rename(old, made, failure);
+    } else {
+        fs::rename(made, folder, failure);
+    }
+    if (failure) return Error{ErrorCode::io_failure, folder.string() + ": " + failure.message()};
     return {};
 }
 

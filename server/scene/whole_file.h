@@ -19,4 +19,8 @@ Result<void> write_whole_file(const std::filesystem::path& file, std::span<const
 /// Waits until the disk has a folder's entries, after files were made or renamed in it.
 Result<void> sync_folder(const std::filesystem::path& folder);
 
+/// Puts the folder `made` in the place of `folder`, which may be there already; both have one parent.
+/// Afterwards `made` is gone, or is what was there before. Error: io_failure, which names `folder`.
+Result<void> move_into_place(const std::filesystem::path& made, const std::filesystem::path& folder);
+
 }  // namespace tessera

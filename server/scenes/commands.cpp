@@ -27,25 +27,27 @@ struct Arguments {
     bool quiet = false;
 };
 
-/// Makes one scene under a progress bar, and says what became of it. False after an error.
-bool make(const char* command, const std::string& id, const Arguments& arguments, const Interrupt& interrupt,
-          const std::function<Result<Made>(Progress&)>& work) {
-    const auto made = [&] {
+/// Runs `work` under a progress bar; its error, if any, is said.
+template <typename T>
+Result<T> run(const char* command, const std::string& what, const Arguments& arguments,
+              const Interrupt& interrupt, const std::function<Result<T>(Progress&)>& work) {
+    auto made = [&] {
         TerminalProgress progress{
-            "tessera " + std::string{command} + ": " + id,
+            "tessera " + std::string{command} + ": " + what,
             {{"painting", 0.2}, {"tile", 0.15}, {"patches", 0.05}, {"contents", 0.5}, {"writing", 0.1}},
             arguments.quiet,
             interrupt.token()};
         return work(progress);
     }();
-    if (!made) {
-        std::fprintf(stderr, "tessera %s: %s\n", command, made.error().detail.c_str());
-        return false;
-    }
+    if (!made) std::fprintf(stderr, "tessera %s: %s\n", command, made.error().detail.c_str());
+    return made;
+}
+
+void say_made(const char* command, const std::string& id, Made made, const Arguments& arguments,
+              const std::string& more = {}) {
     if (!arguments.quiet)
-        std::fprintf(stderr, "tessera %s: %s/%s: %s\n", command, arguments.folder.c_str(), id.c_str(),
-                     *made == Made::kept ? "is there already" : "done");
-    return true;
+        std::fprintf(stderr, "tessera %s: %s/%s: %s%s\n", command, arguments.folder.c_str(), id.c_str(),
+                     made == Made::kept ? "is there already" : "done", more.c_str());
 }
 
 /// Before minutes of preparation, since it is cheap to ask.
@@ -89,9 +91,12 @@ int run_samples(const Arguments& arguments) {
     bool good = true;
     for (const Sample& sample : *chosen) {
         if (interrupt.token().stop_requested()) return 1;
-        good &= make("samples", std::string{sample.name}, arguments, interrupt, [&](Progress& progress) {
+        const std::string name{sample.name};
+        const auto made = run<Made>("samples", name, arguments, interrupt, [&](Progress& progress) {
             return make_sample(sample, arguments.folder, arguments.photos, arguments.force, progress);
         });
+        if (made) say_made("samples", name, *made, arguments);
+        good &= made.has_value();
     }
     return good ? 0 : 1;
 }
@@ -99,12 +104,15 @@ int run_samples(const Arguments& arguments) {
 int run_scene(const Arguments& arguments) {
     const Interrupt interrupt;
     if (!can_be_written("scene", arguments.folder)) return 1;
-    const std::string id = scene_id_of(arguments.photo);
-    const bool good = make("scene", id, arguments, interrupt, [&](Progress& progress) {
+    const std::string name = scene_id_of(arguments.photo);
+    const auto scene = run<PhotoScene>("scene", name, arguments, interrupt, [&](Progress& progress) {
         return make_photo_scene(arguments.photo, arguments.folder, arguments.force, progress);
     });
-    if (!good) return 1;
-    std::printf("%s\n", id.c_str());
+    if (!scene) return 1;
+    const char* whose =
+        find_sample(name) == nullptr ? " was not made of this picture" : " is a sample's name";
+    say_made("scene", scene->id, scene->made, arguments, scene->id == name ? "" : "; " + name + whose);
+    std::printf("%s\n", scene->id.c_str());
     return 0;
 }
 
@@ -127,7 +135,9 @@ void add_scenes_command(CLI::App& app, int& exit_code) {
     samples.callback([arguments, &exit_code] { exit_code = run_samples(*arguments); });
 
     CLI::App& scene = *app.add_subcommand(
-        "scene", "Makes a scene of a photograph, named after the file; prints the scene's id");
+        "scene",
+        "Makes a scene of a photograph, named after the file, with a number behind it if another picture "
+        "has that name; prints the scene's id");
     scene.add_option("PHOTO", arguments->photo, "PNG, JPEG, WebP or TIFF")->required();
     add_common(scene);
     scene.callback([arguments, &exit_code] { exit_code = run_scene(*arguments); });

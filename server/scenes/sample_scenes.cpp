@@ -6,6 +6,7 @@
 
 #include "server/prepare/prepare.h"
 #include "server/scene/image_file.h"
+#include "server/scene/scene.h"
 #include "server/scenes/paint_pebbles.h"
 #include "server/scenes/scene_folder.h"
 
@@ -16,6 +17,7 @@ namespace fs = std::filesystem;
 
 constexpr std::int32_t painting_side = 1024;
 constexpr std::uint64_t painting_seed = 1;
+constexpr int most_of_one_name = 99;
 
 proto::Scene described(std::string_view title, std::string_view attribution) {
     proto::Scene scene;
@@ -29,35 +31,62 @@ std::int32_t tile_side_for(const Rgb8Image& exemplar) {
     return std::min(exemplar.width, exemplar.height) >= 2048 ? 1024 : PrepareOptions{}.tile_side;
 }
 
-/// Prepares `exemplar` and writes the scene that shows it. `where` names the exemplar in messages.
-Result<Made> make_content_exchange_scene(const Rgb8Image& exemplar, const std::string& where,
-                                         proto::Scene scene, const fs::path& folder, Progress& progress) {
+/// `where` names the exemplar in messages.
+Result<ContentExchangeAsset> prepare(const Rgb8Image& exemplar, const std::string& where,
+                                     Progress& progress) {
     PrepareOptions options;
     options.tile_side = tile_side_for(exemplar);
-    const auto asset = prepare_content_exchange(exemplar, options, progress);
+    auto asset = prepare_content_exchange(exemplar, options, progress);
     if (!asset) return Error{asset.error().code, where + ": " + asset.error().detail};
+    return asset;
+}
+
+Result<Made> write_content_exchange_scene(const ContentExchangeAsset& asset, proto::Scene scene,
+                                          const fs::path& folder, Progress& progress) {
     progress.advance("writing", 0);
+    const std::uint64_t seed = PrepareOptions{}.seed;
     scene.mutable_content_exchange()->set_asset(asset_folder_name);
-    scene.mutable_content_exchange()->set_seed(options.seed);
-    if (auto written = write_scene_folder(folder, scene, &*asset, options.seed); !written)
-        return written.error();
+    scene.mutable_content_exchange()->set_seed(seed);
+    if (auto written = write_scene_folder(folder, scene, &asset, seed); !written) return written.error();
     progress.advance("writing", 1);
     return Made::written;
 }
 
-Result<Made> make_of_photo(const fs::path& photo, proto::Scene scene, const fs::path& folder, bool force,
+Result<Made> make_of_photo(const fs::path& photo, proto::Scene scene, const fs::path& folder,
                            Progress& progress) {
     const auto exemplar = read_rgb_image(photo);
     if (!exemplar) return exemplar.error();
-    if (!force && holds_scene_of(folder, *exemplar)) return Made::kept;
-    return make_content_exchange_scene(*exemplar, photo.string(), std::move(scene), folder, progress);
+    const auto asset = prepare(*exemplar, photo.string(), progress);
+    if (!asset) return asset.error();
+    return write_content_exchange_scene(*asset, std::move(scene), folder, progress);
 }
 
 Result<Made> make_of_painting(proto::Scene scene, const fs::path& folder, Progress& progress) {
     progress.advance("painting", 0);
     const Rgb8Image exemplar = paint_pebbles(painting_side, painting_seed);
     progress.advance("painting", 1);
-    return make_content_exchange_scene(exemplar, "pebbles", std::move(scene), folder, progress);
+    const auto asset = prepare(exemplar, "pebbles", progress);
+    if (!asset) return asset.error();
+    return write_content_exchange_scene(*asset, std::move(scene), folder, progress);
+}
+
+/// The scene in `folder` that was made of this very picture, among those that its name leads to; else empty.
+std::string id_of_picture(const Rgb8Image& picture, const fs::path& folder, const std::string& name) {
+    for (int number = 1; number <= most_of_one_name; ++number)
+        if (const std::string id = numbered_id(name, number);
+            find_sample(id) == nullptr && was_made_of(folder / id, picture))
+            return id;
+    return {};
+}
+
+/// The first id for `name` that is no sample's and under which there is nothing; empty if all are taken.
+std::string free_id(const fs::path& folder, const std::string& name) {
+    for (int number = 1; number <= most_of_one_name; ++number)
+        if (std::error_code failure;
+            find_sample(numbered_id(name, number)) == nullptr &&
+            !fs::exists(fs::symlink_status(folder / numbered_id(name, number), failure)))
+            return numbered_id(name, number);
+    return {};
 }
 
 Result<Made> make_pattern(proto::Scene scene, Sample::Source source, const fs::path& folder) {
@@ -103,18 +132,38 @@ fs::path photo_of(const Sample& sample, const fs::path& photos) {
 Result<Made> make_sample(const Sample& sample, const fs::path& folder, const fs::path& photos, bool force,
                          Progress& progress) {
     const fs::path target = folder / sample.name;
+    if (!force && holds_valid_scene(target)) return Made::kept;
     proto::Scene scene = described(sample.title, sample.attribution);
     if (sample.source == Sample::Source::photograph)
-        return make_of_photo(photo_of(sample, photos), std::move(scene), target, force, progress);
-    if (!force && holds_valid_scene(target)) return Made::kept;
+        return make_of_photo(photo_of(sample, photos), std::move(scene), target, progress);
     if (sample.source == Sample::Source::painting)
         return make_of_painting(std::move(scene), target, progress);
     return make_pattern(std::move(scene), sample.source, target);
 }
 
-Result<Made> make_photo_scene(const fs::path& photo, const fs::path& folder, bool force, Progress& progress) {
-    return make_of_photo(photo, described(scene_id_of(photo), ""), folder / scene_id_of(photo), force,
-                         progress);
+Result<PhotoScene> make_photo_scene(const fs::path& photo, const fs::path& folder, bool force,
+                                    Progress& progress) {
+    const auto exemplar = read_rgb_image(photo);
+    if (!exemplar) return exemplar.error();
+    const std::string name = scene_id_of(photo);
+    std::string id = id_of_picture(*exemplar, folder, name);
+    if (!id.empty() && !force) {
+        if (const auto scene = load_scene(folder / id); !scene)
+            return Error{scene.error().code,
+                         scene.error().detail + "; mend it, or make it again with --force"};
+        return PhotoScene{id, Made::kept};
+    }
+    const auto asset = prepare(*exemplar, photo.string(), progress);
+    if (!asset) return asset.error();
+    // Only now, since a name may have been taken during the minutes of preparation
+    if (id.empty()) id = free_id(folder, name);
+    if (id.empty())
+        return Error{ErrorCode::invalid_input, (folder / name).string() + ": is there, and so are " +
+                                                   std::to_string(most_of_one_name) +
+                                                   " of that name; rename the photograph"};
+    const auto made = write_content_exchange_scene(*asset, described(id, ""), folder / id, progress);
+    if (!made) return made.error();
+    return PhotoScene{id, *made};
 }
 
 }  // namespace tessera

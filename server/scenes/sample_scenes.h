@@ -35,9 +35,15 @@ enum class Made { kept, written };
 Result<Made> make_sample(const Sample& sample, const std::filesystem::path& folder,
                          const std::filesystem::path& photos, bool force, Progress& progress);
 
-/// Makes a scene of a person's own photograph in `folder`/scene_id_of(photo), unless it was made of the same
-/// picture already. Errors as above.
-Result<Made> make_photo_scene(const std::filesystem::path& photo, const std::filesystem::path& folder,
-                              bool force, Progress& progress);
+struct PhotoScene {
+    std::string id;
+    Made made = Made::kept;
+};
+
+/// Makes a scene of a person's own photograph in `folder`. A picture that has a scene there keeps it, unless
+/// `force` is set; a new one is put where nothing is: in scene_id_of(photo), or with a number behind it,
+/// never under a sample's name. Errors as above, and invalid_input if the picture's scene does not load.
+Result<PhotoScene> make_photo_scene(const std::filesystem::path& photo, const std::filesystem::path& folder,
+                                    bool force, Progress& progress);
 
 }  // namespace tessera

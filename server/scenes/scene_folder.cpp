@@ -1,6 +1,7 @@
 #include "server/scenes/scene_folder.h"
 
 #include <algorithm>
+#include <random>
 #include <span>
 
 #include "proto/scene.pb.h"
@@ -25,13 +26,27 @@ Error failed(const fs::path& path, const std::error_code& failure, const char* f
     return {ErrorCode::io_failure, path.string() + ": " + failure.message() + "; " + fix};
 }
 
+/// A new folder beside `target`. Its name is nobody else's, and no scene's, since it starts with a dot.
+Result<fs::path> make_unfinished_folder(const fs::path& target) {
+    std::error_code failure;
+    fs::create_directories(target.parent_path(), failure);
+    std::random_device random;
+    fs::path made;
+    do {
+        made = target.parent_path() /
+               ('.' + target.filename().string() + ".unfinished-" + std::to_string(random()));
+    } while (!failure && !fs::create_directory(made, failure));
+    if (failure) return failed(made, failure, "choose a folder that can be written with -o");
+    return made;
+}
+
 Result<void> fill(const fs::path& folder, const proto::Scene& scene, const ContentExchangeAsset* asset,
                   std::uint64_t seed) {
     if (asset != nullptr)
         if (auto written = write_content_exchange_asset(folder / asset_folder_name, *asset, seed); !written)
             return written;
     // Last, since a folder without it is no scene
-    const std::string text = write_json(scene);
+    const std::string text = write_brief_json(scene);
     const std::span bytes{reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
     if (auto written = write_whole_file(folder / "scene.json", bytes); !written) return written;
     return sync_folder(folder);
@@ -54,6 +69,12 @@ std::string scene_id_of(const fs::path& photo) {
     return id.empty() ? "photo" : id;
 }
 
+std::string numbered_id(const std::string& id, int number) {
+    if (number == 1) return id;
+    const std::string suffix = '-' + std::to_string(number);
+    return id.substr(0, longest_id - suffix.size()) + suffix;
+}
+
 Result<void> write_scene_folder(const fs::path& folder, const proto::Scene& scene,
                                 const ContentExchangeAsset* asset, std::uint64_t seed) {
     std::error_code failure;
@@ -62,20 +83,13 @@ Result<void> write_scene_folder(const fs::path& folder, const proto::Scene& scen
         return Error{ErrorCode::invalid_input,
                      folder.string() + ": is there and is no scene; choose another folder with -o"};
 
-    const fs::path parent = fs::absolute(folder, failure).parent_path();
-    fs::path neighbour = parent / ".";  // a name that is no scene id
-    (neighbour += folder.filename()) += ".unfinished";
-    fs::remove_all(neighbour, failure);
-    fs::create_directories(neighbour, failure);
-    if (failure) return failed(neighbour, failure, "choose a folder that can be written with -o");
-    if (auto filled = fill(neighbour, scene, asset, seed); !filled) {
-        fs::remove_all(neighbour, failure);
-        return filled;
-    }
-    fs::remove_all(folder, failure);
-    if (!failure) fs::rename(neighbour, folder, failure);
-    if (failure) return failed(folder, failure, "could not be replaced");
-    return sync_folder(parent);
+    const fs::path target = fs::absolute(folder, failure).lexically_normal();
+    const auto made = make_unfinished_folder(target);
+    if (!made) return made.error();
+    Result<void> done = fill(*made, scene, asset, seed);
+    if (done) done = move_into_place(*made, target);
+    fs::remove_all(*made, failure);
+    return done ? sync_folder(target.parent_path()) : done;
 }
 
 bool holds_valid_scene(const fs::path& folder) {
@@ -83,10 +97,12 @@ bool holds_valid_scene(const fs::path& folder) {
     return fs::exists(folder / "scene.json", failure) && load_scene(folder).has_value();
 }
 
-bool holds_scene_of(const fs::path& folder, const Rgb8Image& photo) {
+bool was_made_of(const fs::path& folder, const Rgb8Image& photo) {
+    std::error_code failure;
+    if (!fs::exists(folder / "scene.json", failure)) return false;
     const auto asset = read_content_exchange_asset(folder / asset_folder_name);
     return asset && asset->exemplar.width == photo.width && asset->exemplar.height == photo.height &&
-           asset->exemplar.bytes == photo.bytes && holds_valid_scene(folder);
+           asset->exemplar.bytes == photo.bytes;
 }
 
 }  // namespace tessera

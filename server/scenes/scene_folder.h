@@ -16,11 +16,15 @@ namespace tessera {
 /// '_' and '.' replaced, at most 64 characters; "photo" if nothing is left.
 std::string scene_id_of(const std::filesystem::path& photo);
 
+/// "wall", "wall-2", "wall-3", … for 1, 2, 3, …: ids for pictures of one name. `id` is cut where the suffix
+/// would make it longer than 64 characters.
+std::string numbered_id(const std::string& id, int number);
+
 /// The folder inside a scene's folder that holds its asset.
 inline constexpr const char* asset_folder_name = "asset";
 
 /// Writes `folder` with a scene file and, unless it is null, the asset that the scene file names; whole or
-/// not at all: a neighbour that is renamed into place. What was there is replaced, if it was a scene. Errors:
+/// not at all: a neighbour that is moved into place. What was there is replaced, if it was a scene. Errors:
 /// io_failure, invalid_input (a folder that is there and no scene).
 Result<void> write_scene_folder(const std::filesystem::path& folder, const proto::Scene& scene,
                                 const ContentExchangeAsset* asset, std::uint64_t seed);
@@ -28,7 +32,7 @@ Result<void> write_scene_folder(const std::filesystem::path& folder, const proto
 /// Whether `folder` holds a scene that loads.
 bool holds_valid_scene(const std::filesystem::path& folder);
 
-/// Whether it does, and was made of exactly this photograph.
-bool holds_scene_of(const std::filesystem::path& folder, const Rgb8Image& photo);
+/// Whether `folder` has a scene file, whatever it says now, and an asset of exactly this photograph.
+bool was_made_of(const std::filesystem::path& folder, const Rgb8Image& photo);
 
 }  // namespace tessera

@@ -14,6 +14,17 @@ Result<void> read(std::string_view text, std::string_view where, google::protobu
     return Error{ErrorCode::invalid_input, std::string{where} + ": " + std::string{status.message()}};
 }
 
+std::string write(const google::protobuf::Message& message, bool with_unset_fields) {
+    google::protobuf::util::JsonPrintOptions options;
+    options.add_whitespace = true;
+    options.preserve_proto_field_names = true;
+    options.always_print_primitive_fields = with_unset_fields;
+    std::string text;
+    // Fails only for messages with invalid embedded types, which ours do not have
+    (void)google::protobuf::util::MessageToJsonString(message, &text, options);
+    return text;
+}
+
 }  // namespace
 
 Result<void> read_json(std::string_view text, std::string_view where, google::protobuf::Message& message) {
@@ -25,15 +36,8 @@ Result<void> read_json_leniently(std::string_view text, std::string_view where,
     return read(text, where, message, true);
 }
 
-std::string write_json(const google::protobuf::Message& message) {
-    google::protobuf::util::JsonPrintOptions options;
-    options.add_whitespace = true;
-    options.preserve_proto_field_names = true;
-    options.always_print_primitive_fields = true;
-    std::string text;
-    // Fails only for messages with invalid embedded types, which ours do not have
-    (void)google::protobuf::util::MessageToJsonString(message, &text, options);
-    return text;
-}
+std::string write_json(const google::protobuf::Message& message) { return write(message, true); }
+
+std::string write_brief_json(const google::protobuf::Message& message) { return write(message, false); }
 
 }  // namespace tessera

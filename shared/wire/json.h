@@ -20,4 +20,7 @@ Result<void> read_json_leniently(std::string_view text, std::string_view where,
 /// Indented protobuf JSON with the names of the .proto file, ending in a newline.
 std::string write_json(const google::protobuf::Message& message);
 
+/// The same, but only the fields that are set: for files that people read and edit.
+std::string write_brief_json(const google::protobuf::Message& message);
+
 }  // namespace tessera

@@ -7,6 +7,7 @@
 #include "server/progress/progress.h"
 #include "server/scene/image_file.h"
 #include "server/scene/scene.h"
+#include "server/scene/whole_file.h"
 #include "server/scenes/paint_pebbles.h"
 #include "tests/support/temporary_folder.h"
 
@@ -66,25 +67,83 @@ TEST(PhotoScene, ShowsThePhotographUnderItsName) {
     write_photo(photo, 1);
     const auto made = make_photo_scene(photo, scenes, false, progress);
     ASSERT_TRUE(made) << made.error().detail;
-    EXPECT_EQ(*made, Made::written);
+    EXPECT_EQ(made->made, Made::written);
+    EXPECT_EQ(made->id, "my-garden");
     const auto scene = load_scene(scenes / "my-garden");
     ASSERT_TRUE(scene) << scene.error().detail;
     EXPECT_EQ((*scene)->id, "my-garden");
 }
 
-TEST(PhotoScene, IsKeptForTheSamePictureAndMadeAgainForAnother) {
+/// Makes the scene, and says "ID written" or "ID kept"; or what went wrong.
+std::string outcome(const fs::path& photo, const fs::path& scenes, bool force = false) {
+    SilentProgress progress;
+    const auto made = make_photo_scene(photo, scenes, force, progress);
+    if (!made) return made.error().detail;
+    return made->id + (made->made == Made::kept ? " kept" : " written");
+}
+
+void write_text(const fs::path& file, const std::string& text) { std::ofstream{file} << text; }
+
+TEST(PhotoScene, EveryPictureOfANameHasItsOwnScene) {
+    const tests::TemporaryFolder temporary;
+    const fs::path photo = temporary.path / "wall.png", scenes = temporary.path / "scenes";
+    write_photo(photo, 1);
+    EXPECT_EQ(outcome(photo, scenes), "wall written");
+    const std::string first = load_scene(scenes / "wall").value()->fingerprint;
+    write_photo(photo, 2);
+    EXPECT_EQ(outcome(photo, scenes), "wall-2 written");
+    EXPECT_EQ(outcome(photo, scenes), "wall-2 kept");
+    EXPECT_EQ(load_scene(scenes / "wall").value()->fingerprint, first);
+    EXPECT_EQ(load_scene(scenes / "wall-2").value()->title, "wall-2");
+    write_photo(photo, 1);
+    EXPECT_EQ(outcome(photo, scenes), "wall kept");
+    // Also when the name before it has become free
+    fs::remove_all(scenes / "wall");
+    write_photo(photo, 2);
+    EXPECT_EQ(outcome(photo, scenes), "wall-2 kept");
+}
+
+TEST(PhotoScene, KeepsWhatAPersonWroteUnlessForced) {
+    const tests::TemporaryFolder temporary;
+    const fs::path photo = temporary.path / "wall.png", scenes = temporary.path / "scenes";
+    const fs::path file = scenes / "wall" / "scene.json";
+    write_photo(photo, 1);
+    EXPECT_EQ(outcome(photo, scenes), "wall written");
+    const std::string made = load_scene(scenes / "wall").value()->fingerprint;
+
+    write_text(file, R"({"title": "Our wall", "content_exchange": {"asset": "asset", "seed": 9}})");
+    EXPECT_EQ(outcome(photo, scenes), "wall kept");
+    EXPECT_EQ(load_scene(scenes / "wall").value()->title, "Our wall");
+    write_text(file, R"({"titel": "Our wall"})");
+    EXPECT_NE(outcome(photo, scenes).find("titel"), std::string::npos);
+    EXPECT_NE(outcome(photo, scenes).find("--force"), std::string::npos);
+    EXPECT_EQ(read_whole_file(file, 1000).value(), R"({"titel": "Our wall"})");
+
+    EXPECT_EQ(outcome(photo, scenes, true), "wall written");
+    EXPECT_EQ(load_scene(scenes / "wall").value()->fingerprint, made);
+}
+
+TEST(PhotoScene, LeavesOtherFoldersAndTheNamesOfSamplesAlone) {
+    const tests::TemporaryFolder temporary;
+    const fs::path scenes = temporary.path / "scenes";
+    fs::create_directories(scenes / "letters");
+    write_text(scenes / "letters" / "dear.txt", "kept");
+    write_photo(temporary.path / "letters.png", 1);
+    EXPECT_EQ(outcome(temporary.path / "letters.png", scenes, true), "letters-2 written");
+    EXPECT_TRUE(fs::exists(scenes / "letters" / "dear.txt"));
+    write_photo(temporary.path / "leaf.png", 1);
+    EXPECT_EQ(outcome(temporary.path / "leaf.png", scenes), "leaf-2 written");
+}
+
+TEST(Samples, AScenesOwnerMayChangeItAlsoWhereItIsAPhotographs) {
     const tests::TemporaryFolder temporary;
     SilentProgress progress;
-    const fs::path photo = temporary.path / "a.png", scenes = temporary.path / "scenes";
-    write_photo(photo, 1);
-    EXPECT_EQ(make_photo_scene(photo, scenes, false, progress).value(), Made::written);
-    const std::string before = load_scene(scenes / "a").value()->fingerprint;
-    EXPECT_EQ(make_photo_scene(photo, scenes, false, progress).value(), Made::kept);
-    EXPECT_EQ(make_photo_scene(photo, scenes, true, progress).value(), Made::written);
-    EXPECT_EQ(load_scene(scenes / "a").value()->fingerprint, before);
-    write_photo(photo, 2);
-    EXPECT_EQ(make_photo_scene(photo, scenes, false, progress).value(), Made::written);
-    EXPECT_NE(load_scene(scenes / "a").value()->fingerprint, before);
+    fs::create_directory(temporary.path / "coffee");
+    write_text(temporary.path / "coffee" / "scene.json", R"({"title": "Mine", "checker": {}})");
+    const auto made = make_sample(*find_sample("coffee"), temporary.path, "no photographs", false, progress);
+    ASSERT_TRUE(made) << made.error().detail;
+    EXPECT_EQ(*made, Made::kept);
+    EXPECT_EQ(load_scene(temporary.path / "coffee").value()->title, "Mine");
 }
 
 TEST(PhotoScene, AFileThatIsNoImageIsAnErrorThatNamesIt) {

@@ -7,6 +7,7 @@
 #include "proto/scene.pb.h"
 
 #include "server/scene/scene.h"
+#include "server/scene/whole_file.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tessera {
@@ -39,6 +40,12 @@ TEST(SceneIdOf, IsNeverEmptyAndNeverLong) {
     EXPECT_EQ(scene_id_of(std::string(300, 'x') + ".jpg"), std::string(64, 'x'));
 }
 
+TEST(NumberedId, IsAPlainIdForTheFirstAndNeverLong) {
+    EXPECT_EQ(numbered_id("wall", 1), "wall");
+    EXPECT_EQ(numbered_id("wall", 2), "wall-2");
+    EXPECT_EQ(numbered_id(std::string(64, 'x'), 10), std::string(61, 'x') + "-10");
+}
+
 TEST(SceneFolder, WritesASceneThatLoads) {
     const tests::TemporaryFolder temporary;
     ASSERT_TRUE(write_scene_folder(temporary.path / "plain", constant_scene(7), nullptr, 0));
@@ -58,6 +65,26 @@ TEST(SceneFolder, ReplacesASceneAndLeavesNothingElseBehind) {
     EXPECT_EQ(std::distance(fs::directory_iterator{temporary.path}, fs::directory_iterator{}), 1);
 }
 
+TEST(SceneFolder, LeavesAnotherOnesUnfinishedFolderAlone) {
+    const tests::TemporaryFolder temporary;
+    fs::create_directory(temporary.path / ".plain.unfinished");
+    ASSERT_TRUE(write_scene_folder(temporary.path / "plain", constant_scene(7), nullptr, 0));
+    EXPECT_TRUE(fs::exists(temporary.path / ".plain.unfinished"));
+    const auto catalog = load_catalog(temporary.path);
+    ASSERT_TRUE(catalog) << catalog.error().detail;
+    EXPECT_EQ(catalog->scenes.size(), 1U);
+    EXPECT_TRUE(catalog->broken.empty());
+}
+
+TEST(SceneFolder, TheSceneFileSaysOnlyWhatIsSet) {
+    const tests::TemporaryFolder temporary;
+    ASSERT_TRUE(write_scene_folder(temporary.path / "plain", constant_scene(7), nullptr, 0));
+    const std::string text = read_whole_file(temporary.path / "plain" / "scene.json", 1000).value();
+    EXPECT_NE(text.find("title"), std::string::npos);
+    EXPECT_EQ(text.find("extent_log2_pages"), std::string::npos) << text;
+    EXPECT_EQ(text.find("attribution"), std::string::npos) << text;
+}
+
 TEST(SceneFolder, RefusesToReplaceAFolderThatIsNoScene) {
     const tests::TemporaryFolder temporary;
     fs::create_directory(temporary.path / "letters");
@@ -71,8 +98,7 @@ TEST(SceneFolder, RefusesToReplaceAFolderThatIsNoScene) {
 TEST(SceneFolder, SaysWhereItCouldNotWrite) {
     const tests::TemporaryFolder temporary;
     std::ofstream{temporary.path / "file"} << "not a folder";
-    const auto written =
-        write_scene_folder(temporary.path / "file" / "scene", constant_scene(7), nullptr, 0);
+    const auto written = write_scene_folder(temporary.path / "file" / "scene", constant_scene(7), nullptr, 0);
     ASSERT_FALSE(written);
     EXPECT_NE(written.error().detail.find("file"), std::string::npos);
 }

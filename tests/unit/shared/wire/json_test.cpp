@@ -9,6 +9,7 @@ namespace tessera {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 TEST(Json, AnUnknownFieldIsAnErrorThatNamesItAndTheFile) {
     proto::Scene scene;
@@ -32,6 +33,19 @@ TEST(Json, WhatIsWrittenIsReadBack) {
     scene.set_title("Größe \"8\"");
     scene.mutable_content_exchange()->set_seed(1ull << 63);
     ASSERT_TRUE(read_json(write_json(scene), "scene.json", again).has_value());
+    EXPECT_EQ(scene.SerializeAsString(), again.SerializeAsString());
+}
+
+TEST(Json, ABriefTextHoldsOnlyWhatIsSet) {
+    proto::Scene scene, again;
+    scene.mutable_content_exchange()->set_asset("asset");
+    scene.mutable_content_exchange()->set_seed(3);
+    const std::string brief = write_brief_json(scene);
+    for (const char* unset : {"title", "extent_log2_pages", "attribution", "choice", "types", "unblended"}) {
+        EXPECT_THAT(brief, Not(HasSubstr(unset)));
+        EXPECT_THAT(write_json(scene), HasSubstr(unset));
+    }
+    ASSERT_TRUE(read_json(brief, "scene.json", again).has_value());
     EXPECT_EQ(scene.SerializeAsString(), again.SerializeAsString());
 }
 
