@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <exception>
 #include <memory>
 #include <thread>
 
@@ -31,7 +32,7 @@ struct IoThread {
 
     void start() {
         boost::asio::co_spawn(io, check_deadlines(), boost::asio::detached);
-        thread = std::thread{[this] { io.run(); }};
+        thread = std::thread{[this] { run(); }};
     }
 
     /// On this thread only.
@@ -47,6 +48,17 @@ struct IoThread {
     }
 
   private:
+    void run() {
+        for (;;) {
+            try {
+                io.run();
+                return;
+            } catch (const std::exception& unexpected) {
+                spdlog::error("an I/O thread goes on after: {}", unexpected.what());
+            }
+        }
+    }
+
     /// One timer for all sessions of the thread, in place of one for each operation.
     Task<void> check_deadlines() {
         boost::asio::basic_waitable_timer<std::chrono::steady_clock,

@@ -97,8 +97,12 @@ Task<void> Listener::accept_all() {
         paused = false;
         if (static_cast<std::size_t>(metrics_.connections.Value()) >= max_connections_) {
             metrics_.connections_refused.Increment();
-            if (turned_away_now_ < most_turned_away_at_once)
+            // Counted here and not by the coroutine, which begins later: a crowd would pass the limit
+            // meanwhile
+            if (turned_away_now_ < most_turned_away_at_once) {
+                ++turned_away_now_;
                 asio::co_spawn(thread.io.get_executor(), turn_away(std::move(socket)), asio::detached);
+            }
             continue;
         }
         metrics_.connections.Increment();
@@ -109,7 +113,6 @@ Task<void> Listener::accept_all() {
 }
 
 Task<void> Listener::turn_away(PageSocket socket) {
-    ++turned_away_now_;
     boost::system::error_code failure;
     socket.non_blocking(true, failure);
     socket.write_some(asio::buffer(busy_answer), failure);

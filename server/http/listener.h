@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -39,7 +40,7 @@ class Listener {
     std::vector<std::unique_ptr<IoThread>>& threads_;
     HttpMetrics& metrics_;
     const std::size_t max_connections_;
-    std::size_t turned_away_now_ = 0;
+    std::atomic<std::size_t> turned_away_now_ = 0;  ///< Changed on every I/O thread.
 };
 
 }  // namespace tessera

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <exception>
 #include <latch>
 
 #include <boost/asio/post.hpp>
@@ -42,12 +43,20 @@ Server::~Server() {
 template <class Job>
 void Server::on_every_thread(Job job) {
     std::latch done{static_cast<std::ptrdiff_t>(threads_.size())};
-    for (const auto& thread : threads_)
-        asio::post(thread->io, [&, context = &thread->context] {
-            job(*context);
+    std::exception_ptr failure;
+    for (const auto& thread : threads_) {
+        try {
+            asio::post(thread->io, [&, context = &thread->context] {
+                job(*context);
+                done.count_down();
+            });
+        } catch (...) {  // the jobs that were posted hold references: wait for them all the same
+            failure = std::current_exception();
             done.count_down();
-        });
+        }
+    }
     done.wait();
+    if (failure) std::rethrow_exception(failure);
 }
 
 void Server::publish(std::shared_ptr<const Catalog> catalog, std::shared_ptr<const WebFiles> web) {

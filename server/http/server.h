@@ -21,8 +21,7 @@ namespace tessera {
 class Listener;
 struct IoThread;
 
-/// The running server: listens, answers, is given scenes, stops. Started and stopped by one thread; the
-/// other members may be called from any.
+/// The running server: listens, answers, is given scenes, stops. Its members may be called from any thread.
 class Server {
   public:
     /// Binds and starts to answer: /healthz at once, scenes after publish(). Error: io_failure with the
