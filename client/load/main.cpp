@@ -111,6 +111,13 @@ int main(int argc, char** argv) {
     if (json_file.is_open() && !(json_file << json).flush()) return fail("cannot write " + options.json_file);
     if (!std::cout.flush()) return fail("cannot write to stdout");
 
+    if (!all_hold && options.quiet) {
+        // A failed check must say which, whatever else is kept quiet
+        for (const AssertionOutcome& assertion : assertions)
+            if (!assertion.holds) std::cerr << "tessera-load: " << assertion_text(assertion) << '\n';
+        if (!outcome.tally.first_problem.empty())
+            std::cerr << "tessera-load: " << outcome.tally.first_problem << '\n';
+    }
     if (!all_hold) return 3;
     if (outcome.interrupted) return 130;
     if (outcome.tally.ok == 0 && options.assertions.empty())

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <sstream>
 
@@ -230,16 +231,16 @@ std::string text_report(const LoadOptions& options, const LoadOutcome& outcome,
     if (!tally.first_problem.empty()) out << "\n  first problem: " << tally.first_problem << "\n";
     for (const std::string& warning : warnings_of(outcome)) out << "\n  note: " << warning << "\n";
     if (!assertions.empty()) out << "\n";
-    for (const AssertionOutcome& assertion : assertions) {
-        const bool is_time = is_time_metric(assertion.assertion.metric);
-        out << "  " << (assertion.holds ? "holds " : "FAILED") << "  " << assertion.assertion.text << "  (";
-        if (assertion.actual)
-            out << fixed(*assertion.actual, is_time ? 3 : 4) << (is_time ? " ms" : "");
-        else
-            out << "nothing measured";
-        out << ")\n";
-    }
+    for (const AssertionOutcome& assertion : assertions) out << "  " << assertion_text(assertion) << "\n";
     return out.str();
+}
+
+std::string assertion_text(const AssertionOutcome& outcome) {
+    const bool is_time = is_time_metric(outcome.assertion.metric);
+    std::string text = (outcome.holds ? "holds   " : "FAILED  ") + outcome.assertion.text + "  (";
+    if (!outcome.actual) return text + "nothing measured)";
+    const bool whole = !is_time && *outcome.actual == std::floor(*outcome.actual);
+    return text + fixed(*outcome.actual, whole ? 0 : is_time ? 3 : 4) + (is_time ? " ms)" : ")");
 }
 
 }  // namespace tessera

@@ -21,4 +21,7 @@ std::string json_report(const LoadOptions& options, const LoadOutcome& outcome,
 std::string text_report(const LoadOptions& options, const LoadOutcome& outcome,
                         const std::vector<AssertionOutcome>& assertions);
 
+/// "FAILED  p99<=5ms  (7.210 ms)": one check and what was measured.
+std::string assertion_text(const AssertionOutcome& outcome);
+
 }  // namespace tessera

@@ -17,8 +17,8 @@ Examples:
 
 Without a display (--headless) an off-screen OpenGL context is used (EGL, surfaceless): it needs no X server, and on
 a machine with no GPU Mesa's software rasteriser draws. frame_0000.png … and metrics.json are written. A camera path:
-  {"keys": [{"time": 0, "x": "137438953472", "y": 5000, "x_fraction": 0.5, "height": 900, "yaw": 30, "pitch": -35},
-            {"time": 4, "x": "137438955000", "y": 5000, "height": 300, "yaw": 60, "pitch": -20}]}
+  {"keys": [{"time": 0, "x": "134217728", "y": 5000, "x_fraction": 0.5, "height": 900, "yaw": 30, "pitch": -35},
+            {"time": 4, "x": "134219000", "y": 5000, "height": 300, "yaw": 60, "pitch": -20}]}
 Times in seconds, positions and height in texels of level 0, angles in degrees; K in the window prints such a key.
 )";
 

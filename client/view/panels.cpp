@@ -120,7 +120,8 @@ void info_panel(const PanelContents& contents, ViewerSwitches& switches) {
     ImGui::Text("%.0f per second, %.1f ms", mean > 0 ? 1000 / mean : 0, mean);
     ImGui::PlotLines("##times", contents.times.values().data(),
                      static_cast<int>(contents.times.values().size()), contents.times.oldest(), nullptr, 0,
-                     static_cast<float>(std::max(33.0, 2 * mean)), {-1, 34 * contents.scale});
+                     static_cast<float>(std::max(33.0, 2 * mean)),
+                     {ImGui::GetContentRegionAvail().x, 34 * contents.scale});
     ImGui::Checkbox("page borders", &switches.page_borders);
     ImGui::SameLine(150 * contents.scale);
     ImGui::Checkbox("haze", &switches.haze);

@@ -132,7 +132,10 @@ class Viewer {
     }
 
     void answer_requests(const WindowRequests& requests) {
-        if (requests.camera_key) std::printf("%s\n", camera_key_json(0, control_.camera()).c_str());
+        if (requests.camera_key) {
+            std::printf("%s\n", camera_key_json(0, control_.camera()).c_str());
+            std::fflush(stdout);  // whoever reads a pipe wants it now
+        }
         if (!requests.screenshot && !requests.screenshot_with_panels) return;
         char name[64];
         const std::time_t now = std::time(nullptr);
