@@ -12,9 +12,6 @@ namespace tessera {
 
 using EncodedBytes = std::vector<std::uint8_t>;
 
-/// Part of every ETag: raise it whenever an encoder's output changes by a byte.
-inline constexpr std::uint32_t encoder_version = 1;
-
 /// The file or message body of `image` in `format`. The same image gives the same bytes on every machine and
 /// thread. `image` is 1 to 4096 texels a side. Error: io_failure if a codec refuses, which is a bug or a lack
 /// of memory.

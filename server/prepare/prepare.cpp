@@ -35,6 +35,14 @@ Result<void> check(const PrepareOptions& options) {
     if (auto good = check_range("--blend", options.blend_texels, 0, 64); !good) return good;
     if (options.blend_texels % 2 != 0)
         return invalid("--blend is " + std::to_string(options.blend_texels) + "; an even number of texels");
+    // What a server refuses to load is not worth preparing; boxes cover a tile some two and a half times
+    const std::size_t texels = std::size_t(options.tile_side) * std::size_t(options.tile_side) * 5 / 2;
+    if (const std::size_t bytes = texels * (std::size_t(options.contents) * 6 + 18);
+        bytes > max_content_exchange_bytes)
+        return invalid("--tile " + std::to_string(options.tile_side) + " with --contents " +
+                       std::to_string(options.contents) + " would take about " + std::to_string(bytes >> 20) +
+                       " MiB when served, more than " + std::to_string(max_content_exchange_bytes >> 20) +
+                       "; ask for a smaller tile or fewer contents");
     return {};
 }
 

@@ -11,6 +11,7 @@
 #include "server/scene/asset_file.h"
 #include "server/texture/constant_texture.h"
 #include "server/texture/content_exchange.h"
+#include "shared/page/page_format.h"
 #include "shared/wire/json.h"
 
 namespace tessera {
@@ -107,6 +108,11 @@ Result<std::shared_ptr<const Texture>> compile_content_exchange(const fs::path& 
     }
     const auto asset = read_content_exchange_asset(*asset_folder);
     if (!asset) return asset.error();
+    if (const std::size_t bytes = content_exchange_bytes(*asset, options); bytes > max_content_exchange_bytes)
+        return invalid(file, "content_exchange.asset: \"" + message.asset() + "\" would take about " +
+                                 std::to_string(bytes >> 20) + " MiB, more than " +
+                                 std::to_string(max_content_exchange_bytes >> 20) +
+                                 "; prepare it with a smaller tile, or fewer patches or contents");
     return make_content_exchange_texture(*asset, options);
 }
 
@@ -128,18 +134,25 @@ Result<std::shared_ptr<const Texture>> compile(const fs::path& folder, const fs:
     return invalid(file, "has no texture; give it one of constant, checker, content_exchange");
 }
 
+/// Whether the scene file is no longer what was parsed.
+bool text_changed(const fs::path& file, const std::string& text) {
+    const auto now = read_text(file);
+    return !now || *now != text;
+}
+
 /// Covers every file of the folder by relative name and content, and the evaluator's version.
 Result<std::string> fingerprint_of(const fs::path& folder) {
     std::vector<fs::path> files;
     std::error_code failure;
     for (fs::recursive_directory_iterator entry{folder, failure}, end; !failure && entry != end;
          entry.increment(failure))
-        if (entry->is_regular_file()) files.push_back(entry->path());
+        if (std::error_code odd; entry->is_regular_file(odd)) files.push_back(entry->path());
     if (failure) return Error{ErrorCode::io_failure, folder.string() + ": " + failure.message()};
     std::sort(files.begin(), files.end());
     const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state{XXH3_createState(), XXH3_freeState};
     XXH3_64bits_reset(state.get());
-    XXH3_64bits_update(state.get(), evaluator_version.data(), evaluator_version.size());
+    const std::string versions = std::string{evaluator_version} + '/' + std::to_string(encoder_version);
+    XXH3_64bits_update(state.get(), versions.data(), versions.size());
     std::vector<char> block(1 << 16);
     for (const fs::path& path : files) {
         const std::string name = path.lexically_relative(folder).generic_string();
@@ -158,9 +171,7 @@ Result<std::string> fingerprint_of(const fs::path& folder) {
     return hex.str();
 }
 
-}  // namespace
-
-Result<ScenePtr> load_scene(const fs::path& folder) {
+Result<ScenePtr> load_once(const fs::path& folder, const std::string& id) {
     const fs::path file = folder / "scene.json";
     const auto text = read_text(file);
     if (!text) return text.error();
@@ -168,7 +179,7 @@ Result<ScenePtr> load_scene(const fs::path& folder) {
     if (auto read = read_json(*text, file.string(), message); !read) return read.error();
 
     auto scene = std::make_shared<Scene>();
-    scene->id = fs::weakly_canonical(folder).filename().string();
+    scene->id = id;
     if (!is_scene_id(scene->id))
         return invalid(folder, "a scene's folder is named with 1 to 64 of letters, digits, '-', '_' and '.'");
     scene->title = message.title().empty() ? scene->id : message.title();
@@ -179,13 +190,40 @@ Result<ScenePtr> load_scene(const fs::path& folder) {
                        "extent_log2_pages: is " + std::to_string(n) + "; from 1 to 30 (2^38 texels a side)");
     scene->extent.n = static_cast<std::uint8_t>(n);
 
+    // The fingerprint must name the bytes that were compiled: a file that changes meanwhile is read again
+    const auto before = fingerprint_of(folder);
+    if (!before) return before.error();
     auto texture = compile(folder, file, message);
     if (!texture) return texture.error();
+    auto after = fingerprint_of(folder);
+    if (!after) return after.error();
+    if (*before != *after || text_changed(file, *text)) return Error{ErrorCode::page_changed, {}};
     scene->texture = *texture;
-    auto fingerprint = fingerprint_of(folder);
-    if (!fingerprint) return fingerprint.error();
-    scene->fingerprint = *fingerprint;
+    scene->fingerprint = *after;
     return ScenePtr{std::move(scene)};
+}
+
+Result<ScenePtr> load_named(const fs::path& folder, const std::string& id) {
+    // Input never throws on purpose, but memory may run out, and a folder may be odder than we think
+    try {
+        for (int attempt = 0; attempt < 3; ++attempt)
+            if (auto scene = load_once(folder, id); scene || scene.error().code != ErrorCode::page_changed)
+                return scene;
+        return Error{ErrorCode::io_failure,
+                     folder.string() + ": kept changing while it was read; load it again"};
+    } catch (const std::bad_alloc&) {
+        return Error{ErrorCode::io_failure, folder.string() + ": there is not enough memory for it"};
+    } catch (const std::exception& unexpected) {
+        return Error{ErrorCode::io_failure, folder.string() + ": " + unexpected.what()};
+    }
+}
+
+}  // namespace
+
+Result<ScenePtr> load_scene(const fs::path& folder) {
+    std::error_code failure;
+    const fs::path canonical = fs::weakly_canonical(folder, failure);
+    return load_named(folder, (failure ? folder : canonical).filename().string());
 }
 
 ScenePtr Catalog::find(std::string_view id) const {
@@ -193,15 +231,18 @@ ScenePtr Catalog::find(std::string_view id) const {
     return found == scenes.end() ? nullptr : found->second;
 }
 
-Result<Catalog> load_catalog(const fs::path& folder) {
+Result<Catalog> load_catalog(const fs::path& folder, std::stop_token stop) {
     std::error_code failure;
     std::vector<fs::path> folders;
     if (fs::exists(folder / "scene.json", failure)) {
         folders.push_back(folder);
     } else {
         for (fs::directory_iterator entry{folder, failure}, end; !failure && entry != end;
-             entry.increment(failure))
-            if (fs::exists(entry->path() / "scene.json", failure)) folders.push_back(entry->path());
+             entry.increment(failure)) {
+            std::error_code hidden;  // a folder that may not be looked into is not a scene of ours
+            if (fs::exists(entry->path() / "scene.json", hidden) || (hidden && entry->is_directory(failure)))
+                folders.push_back(entry->path());
+        }
         if (failure)
             return Error{ErrorCode::io_failure, folder.string() + ": " + failure.message() +
                                                     "; name a folder of prepared scenes with --scenes"};
@@ -210,10 +251,16 @@ Result<Catalog> load_catalog(const fs::path& folder) {
 
     Catalog catalog;
     for (const fs::path& path : folders) {
-        if (auto scene = load_scene(path)) {
+        if (stop.stop_requested()) return Error{ErrorCode::cancelled, "loading was stopped"};
+        // The entry's own name, not what a link leads to: two links to folders of one name are two scenes
+        fs::path name = path.filename();
+        if (name.empty() || name == "." || name == "..")
+            name = fs::weakly_canonical(path, failure).filename();
+        if (name.string().starts_with('.')) continue;  // what a preparation has not finished
+        if (auto scene = load_named(path, name.string())) {
             catalog.scenes.emplace((*scene)->id, *scene);
         } else {
-            catalog.broken.push_back({fs::weakly_canonical(path).filename().string(), scene.error().detail});
+            catalog.broken.push_back({name.string(), scene.error().detail});
         }
     }
     return catalog;

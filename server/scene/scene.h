@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -43,7 +44,8 @@ struct Catalog {
     ScenePtr find(std::string_view id) const;
 };
 
-/// `folder` holds one folder for each scene; or is itself a scene. Error: io_failure if it cannot be read.
-Result<Catalog> load_catalog(const std::filesystem::path& folder);
+/// `folder` holds one folder for each scene; or is itself a scene. Looks at `stop` between scenes. Errors:
+/// io_failure if the folder cannot be read, cancelled.
+Result<Catalog> load_catalog(const std::filesystem::path& folder, std::stop_token stop = {});
 
 }  // namespace tessera

@@ -21,9 +21,6 @@ constexpr std::int32_t variant_image_side = 8;
 /// A patch that hangs over a border reaches one tile further, never two: see PatchMap.
 constexpr std::int64_t reach = 1;
 
-/// Sums of some hundred floats of magnitude one: rounding, in codes of linear light.
-constexpr double float_bound_codes = 0.005;
-
 /// Runs of level 0 are short and lie anywhere in the exemplar: no processor guesses what comes next, but it
 /// is the same columns some rows further down.
 constexpr std::size_t prefetch_rows = 3;
@@ -193,6 +190,22 @@ class ContentExchangeTexture final : public Texture {
         return contents;
     }
 
+    /// Whether choices under texels of 2^height tiles are summed one by one: as far as a texel costs no more
+    /// than so many look-ups, some 4 ns each. A rule of height and accuracy alone, so that every window shows
+    /// the same texels.
+    bool enumerates(int height, Accuracy accuracy) const {
+        const std::uint64_t look_ups = accuracy == Accuracy::exact  ? 8192
+                                       : accuracy == Accuracy::high ? 1024
+                                                                    : 0;
+        return height < 10 && (std::uint64_t{texels_.patch_count()} << (2 * height)) <= look_ups;
+    }
+
+    /// Rounding of floats of magnitude one, a sum for each patch that a texel may meet, in codes of linear
+    /// light.
+    double float_bound_codes() const {
+        return 255.0 / (1 << 24) * (4.0 * static_cast<double>(texels_.patch_count()) + 40);
+    }
+
     void fill_with_mean(std::vector<float>& rgb) const {
         for (std::size_t i = 0; i < rgb.size(); i += 3)
             std::copy_n(mean_linear_.begin(), 3, rgb.begin() + std::ptrdiff_t(i));
@@ -332,7 +345,7 @@ Result<Evaluation> ContentExchangeTexture::sum_stamps(const Block& block, const 
                                   rgb.data());
         rows.put(block.out_y + row, block.out_x, rgb.data(), block.width, kernel);
     }
-    return Evaluation{.method = "stamps", .bound_codes = float_bound_codes, .work = work};
+    return Evaluation{.method = "stamps", .bound_codes = float_bound_codes(), .work = work};
 }
 
 Result<Evaluation> ContentExchangeTexture::sum_variants(const Block& block, const Budget& budget,
@@ -372,7 +385,7 @@ Result<Evaluation> ContentExchangeTexture::sum_variants(const Block& block, cons
         rows.put(block.out_y + row, block.out_x, rgb.data(), block.width, kernel);
     }
     return Evaluation{.method = "variants",
-                      .bound_codes = float_bound_codes,
+                      .bound_codes = float_bound_codes(),
                       .work = static_cast<std::uint64_t>((last - first + 1) * (bottom - top + 1))};
 }
 
@@ -393,7 +406,7 @@ Result<Evaluation> ContentExchangeTexture::look_up_nodes(const Block& block, con
         rows.put(block.out_y + row, block.out_x, rgb.data(), block.width, kernel);
     }
     return Evaluation{.method = "quadtree",
-                      .bound_codes = float_bound_codes,
+                      .bound_codes = float_bound_codes(),
                       .work = std::uint64_t(block.width) * std::uint64_t(block.height)};
 }
 
@@ -401,12 +414,12 @@ Result<Evaluation> ContentExchangeTexture::enumerate_or_expect(const Block& bloc
                                                                const Rows& rows) const {
     const Kernels& kernel = kernels();
     const int height = block.level - tile_level_;
-    const int enumerated = budget.accuracy == Accuracy::exact ? 3 : budget.accuracy == Accuracy::high ? 1 : 0;
+    const bool enumerate = enumerates(height, budget.accuracy);
     std::vector<float> rgb(std::size_t(block.width) * 3);
     std::vector<double> sums(rgb.size());
     for (std::int32_t row = 0; row < block.height; ++row) {
         if (auto spent = check_budget(budget); !spent) return spent.error();
-        if (height <= enumerated) {
+        if (enumerate) {
             std::fill(sums.begin(), sums.end(), 0.0);
             independent_->add_enumerated(height, block.x, block.y + row, block.width, sums.data());
         } else {
@@ -416,15 +429,15 @@ Result<Evaluation> ContentExchangeTexture::enumerate_or_expect(const Block& bloc
             rgb[i] = mean_linear_[i % 3] + static_cast<float>(sums[i]);
         rows.put(block.out_y + row, block.out_x, rgb.data(), block.width, kernel);
     }
-    if (height <= enumerated) {
+    if (enumerate) {
         const double tiles = static_cast<double>(std::int64_t{1} << (2 * height));
         return Evaluation{.method = "enumeration",
-                          .bound_codes = float_bound_codes,
+                          .bound_codes = float_bound_codes(),
                           .work = static_cast<std::uint64_t>(tiles * block.width * block.height)};
     }
     const auto bound = independent_->bound(height);
     return Evaluation{.method = "expectation",
-                      .bound_codes = bound.likely / code_in_linear + float_bound_codes,
+                      .bound_codes = bound.likely / code_in_linear + float_bound_codes(),
                       .confidence = bound.likely < bound.certain ? IndependentChoice::confidence : 1.0,
                       .work = 1};
 }
@@ -454,13 +467,38 @@ std::string ContentExchangeTexture::description() const {
              nodes_->memory_bytes());
     } else {
         text << "choice: independent; above level " << tile_level_
-             << " enumerated (exact: 3 levels, high: 1), then expected\n";
+             << " enumerated where a texel costs at most 8192 look-ups (exact) or 1024"
+                " (high), then expected\n";
         line("sums of contents", independent_->memory_bytes());
     }
     return text.str();
 }
 
 }  // namespace
+
+std::size_t content_exchange_bytes(const ContentExchangeAsset& asset, const ContentExchangeOptions& options) {
+    const auto area = [](std::int32_t width, std::int32_t height) {
+        return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    };
+    const std::int32_t margin = 2 * blend_radius(asset, options);
+    std::size_t bytes = 0;
+    std::int32_t reach = 0;
+    for (const auto& patch : asset.patches) {
+        const std::size_t box = area(patch.width + margin, patch.height + margin);
+        reach = std::max({reach, patch.width + margin, patch.height + margin});
+        // Weights twice (by patch, and four times over by run), spans; stamps of all levels, a third of the
+        // box each and half as much again where boxes round up to whole texels
+        bytes += box * 12 + box * (patch.contents.size() + 1) * 6;
+    }
+    // Codes and linear steps; images of variants and tables of nodes
+    bytes += 12 * (area(asset.exemplar.width, asset.exemplar.height) +
+                   area(asset.tile_side + reach, asset.tile_side + reach));
+    if (options.choice == Choice::typed)
+        bytes += options.types * (asset.patches.size() + 8000);
+    else
+        bytes += std::size_t{100} * asset.patches.size() * (ContentExchangeAsset::max_contents + 1);
+    return bytes;
+}
 
 std::shared_ptr<const Texture> make_content_exchange_texture(const ContentExchangeAsset& asset,
                                                              const ContentExchangeOptions& options) {

@@ -45,6 +45,15 @@ struct ContentExchangeOptions {
     bool blended = true;
 };
 
+/// The most that a texture of this asset may take when it is compiled: what loading checks before it
+/// allocates.
+std::size_t content_exchange_bytes(const ContentExchangeAsset& asset, const ContentExchangeOptions& options);
+
+/// Beyond this a texture is refused. Too little refuses large tiles with many contents; too much lets one
+/// scene starve the others. 2 GiB hold a tile of 1024 texels with 200 contents for each patch.
+inline constexpr std::size_t max_content_exchange_bytes = std::size_t{2} << 30;
+
+/// The asset's content_exchange_bytes() are at most max_content_exchange_bytes.
 std::shared_ptr<const Texture> make_content_exchange_texture(const ContentExchangeAsset& asset,
                                                              const ContentExchangeOptions& options);
 

@@ -11,7 +11,7 @@ namespace tessera {
 enum class Accuracy : std::uint8_t {
     exact,  ///< No bound but rounding, where the method has an exact evaluation; else the least bound it
             ///< reaches.
-    high,   ///< The default: as `exact` where that is cheap, else an expectation with a small bound.
+    high,   ///< The default: as `exact` where that is cheap, else an expectation with its bound.
     fast,   ///< The cheapest answer that still carries a bound.
 };
 

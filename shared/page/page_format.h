@@ -7,6 +7,9 @@
 
 namespace tessera {
 
+/// Part of every fingerprint and ETag: raise it whenever an encoder's output changes by a byte.
+inline constexpr std::uint32_t encoder_version = 1;
+
 /// How a page's texels travel.
 enum class PageFormat : std::uint8_t {
     png,   ///< Lossless; straight alpha, or none where the page is opaque.

@@ -148,6 +148,12 @@ TEST_P(ContentExchangeLaws, ManyThreadsGiveTheBytesOfOne) {
     for (const Rgba8Image& image : images) EXPECT_EQ(image, alone);
 }
 
+TEST_P(ContentExchangeLaws, TakesNoMoreMemoryThanForetold) {
+    const std::size_t foretold = content_exchange_bytes(asset_, GetParam().options);
+    EXPECT_LE(texture_->memory_bytes(), foretold);
+    EXPECT_GT(texture_->memory_bytes(), foretold / 40) << "a bound that refuses what would fit";
+}
+
 TEST_P(ContentExchangeLaws, CodesAreTheEncodedLinearTexels) {
     for (const std::uint8_t level : std::initializer_list<std::uint8_t>{0, 2, 6}) {
         const TexelRegion region{level, 7, 9, 64, 64};
@@ -335,6 +341,49 @@ TEST(ContentExchange, ATexelFarUpIsWithinTheBoundOfTheExpectation) {
     EXPECT_LT(far->bound_codes, 0.01);
 }
 
+TEST(ContentExchange, WithIndependentChoicesAPageIsTheReductionOfItsChildrenWithinTheStatedBounds) {
+    // Also where the children are enumerated and the page is expected, and where both are expected
+    const auto texture =
+        make_content_exchange_texture(make_synthetic_asset({}), {.seed = 4, .choice = Choice::independent});
+    std::set<std::string> methods;
+    for (const Accuracy accuracy : accuracies)
+        for (std::uint8_t level = 1; level <= 16; ++level) {
+            const TexelRegion region{level, -5, 9, 16, 16};
+            LinearImage page, children;
+            const auto above = texture->evaluate(region, Budget{.accuracy = accuracy}, page);
+            const auto under = texture->evaluate(below(region), Budget{.accuracy = accuracy}, children);
+            ASSERT_TRUE(above && under);
+            methods.insert(std::string{under->method} + " under " + std::string{above->method});
+            for (std::int32_t y = 0; y < 16; ++y)
+                for (std::int32_t x = 0; x < 64; ++x) {
+                    const std::int32_t left = x / 4 * 8 + x % 4;
+                    const float mean =
+                        0.25F * (children.row(2 * y)[left] + children.row(2 * y)[left + 4] +
+                                 children.row(2 * y + 1)[left] + children.row(2 * y + 1)[left + 4]);
+                    ASSERT_LE(std::abs(page.row(y)[x] - mean) / code_in_linear,
+                              above->bound_codes + under->bound_codes + 0.001)
+                        << "level " << int{level};
+                }
+        }
+    EXPECT_TRUE(methods.contains("enumeration under expectation"));
+    EXPECT_TRUE(methods.contains("expectation under expectation"));
+}
+
+TEST(ContentExchange, NoPageOfIndependentChoicesIsBeyondReach) {
+    // Enumeration costs tiles × patches: where that is too much, the expectation answers, whatever was asked
+    const auto texture = make_content_exchange_texture(
+        make_synthetic_asset({.tile_side = 64, .patches = 1024, .contents = 2, .blend_texels = 2}),
+        {.choice = Choice::independent});
+    for (std::uint8_t level = 6; level <= 30; ++level)
+        for (const Accuracy accuracy : accuracies) {
+            LinearImage page;
+            const auto evaluation =
+                texture->evaluate({level, 0, 0, 64, 64}, Budget{.accuracy = accuracy}, page);
+            ASSERT_TRUE(evaluation.has_value());
+            EXPECT_LE(evaluation->work, 64u * 64 * 8192) << "level " << int{level};
+        }
+}
+
 TEST(ContentExchange, StopsWhenNobodyWaitsOrTimeIsUp) {
     const auto texture = make_content_exchange_texture(make_synthetic_asset({}), {});
     std::stop_source source;
@@ -351,11 +400,13 @@ TEST(ContentExchange, StopsWhenNobodyWaitsOrTimeIsUp) {
 TEST(ContentExchangeGolden, EveryInstructionSetGivesTheSameBytes) {
     // FNV-1a over one page of each way to evaluate. Raise evaluator_version (server/scene/scene.cpp) when
     // these change.
-    const auto texture = make_content_exchange_texture(
-        make_synthetic_asset({.tile_side = 128, .patches = 30, .contents = 7, .blend_texels = 8}),
-        {.seed = 2026});
-    const auto hash_of = [&](std::uint8_t level) {
-        const Rgba8Image page = codes(*texture, {level, -300, 77, 264, 264});
+    const ContentExchangeAsset asset =
+        make_synthetic_asset({.tile_side = 128, .patches = 30, .contents = 7, .blend_texels = 8});
+    const auto typed = make_content_exchange_texture(asset, {.seed = 2026});
+    const auto independent =
+        make_content_exchange_texture(asset, {.seed = 2026, .choice = Choice::independent});
+    const auto hash_of = [&](const Texture& texture, std::uint8_t level, std::int32_t side) {
+        const Rgba8Image page = codes(texture, {level, -300, 77, side, side});
         std::uint64_t h = 0xcbf29ce484222325u;
         for (const std::uint8_t byte : page.bytes) h = (h ^ byte) * 0x100000001b3u;
         return h;
@@ -372,7 +423,14 @@ TEST(ContentExchangeGolden, EveryInstructionSetGivesTheSameBytes) {
                                                  {3, 10094172191185001600u}, {5, 5188439485583337854u},
                                                  {7, 14700775476625166191u}, {15, 1623675372001488581u}};
     for (const auto& [level, expected] : golden)
-        EXPECT_EQ(hash_of(static_cast<std::uint8_t>(level)), expected) << "level " << level;
+        EXPECT_EQ(hash_of(*typed, static_cast<std::uint8_t>(level), 264), expected) << "level " << level;
+    const std::map<int, std::uint64_t> golden_independent = {{0, 9222165896605401244u},
+                                                             {4, 13487121794420304079u},
+                                                             {7, 14750875215794038356u},
+                                                             {8, 11905551897999214508u},
+                                                             {20, 9916748219557323557u}};
+    for (const auto& [level, expected] : golden_independent)
+        EXPECT_EQ(hash_of(*independent, static_cast<std::uint8_t>(level), 64), expected) << "level " << level;
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 #include "server/scene/scene.h"
 
 #include <fstream>
+#include <map>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -58,6 +60,82 @@ TEST_F(SceneFolders, TheFingerprintCoversSceneFileAndAssetsAndNothingElse) {
     EXPECT_NE(prints[0], prints[2]) << "another asset, other pages";
     const fs::path changed = scene("scene0", R"({"content_exchange": {"asset": "asset", "seed": 5}})");
     EXPECT_NE((*load_scene(changed))->fingerprint, prints[0]);
+}
+
+TEST_F(SceneFolders, TheFingerprintNamesTheBytesThatWereCompiledHoweverTheyChange) {
+    // Two states of one scene, swapped all the time while it is loaded: whichever is loaded, its pages are
+    // its own
+    const std::string states[2] = {R"({"constant": {"color": {"red": 10}}})",
+                                   R"({"constant": {"color": {"red": 200}}})"};
+    std::map<std::string, std::uint8_t> red_of;
+    const auto red = [](const Scene& scene) {
+        Rgba8Image texel;
+        EXPECT_TRUE(scene.texture->evaluate({0, 0, 0, 1, 1}, Budget{}, texel).has_value());
+        return texel.bytes[0];
+    };
+    fs::path folder;
+    for (const std::string& state : states) {
+        folder = scene("swapped", state);
+        const auto loaded = load_scene(folder);
+        ASSERT_TRUE(loaded.has_value());
+        red_of[(*loaded)->fingerprint] = red(**loaded);
+    }
+    ASSERT_EQ(red_of.size(), 2u);
+    const std::jthread swapper{[&](std::stop_token stop) {
+        for (int i = 0; !stop.stop_requested(); ++i) {
+            std::ofstream{folder_.path / "next"} << states[i % 2];
+            fs::rename(folder_.path / "next", folder / "scene.json");
+        }
+    }};
+    int loads = 0;
+    for (int attempt = 0; attempt < 300; ++attempt)
+        if (const auto loaded = load_scene(folder)) {
+            ++loads;
+            ASSERT_TRUE(red_of.contains((*loaded)->fingerprint));
+            ASSERT_EQ(red(**loaded), red_of.at((*loaded)->fingerprint));
+        }
+    EXPECT_GT(loads, 0);
+}
+
+TEST_F(SceneFolders, ALinkThatLeadsNowhereIsNoReasonToFall) {
+    const fs::path folder = scene("linked", R"({"checker": {}})");
+    fs::create_symlink("loop", folder / "loop");
+    fs::create_symlink("nowhere", folder / "dangling");
+    EXPECT_TRUE(load_scene(folder).has_value());
+}
+
+TEST_F(SceneFolders, ASceneIsCalledAsItsEntryAlsoThroughALink) {
+    for (const char* place : {"one", "two"}) scene(std::string{place} + "/rock", R"({"checker": {}})");
+    fs::create_directories(folder_.path / "scenes");
+    fs::create_directory_symlink(folder_.path / "one" / "rock", folder_.path / "scenes" / "a");
+    fs::create_directory_symlink(folder_.path / "two" / "rock", folder_.path / "scenes" / "b");
+    const auto catalog = load_catalog(folder_.path / "scenes");
+    ASSERT_TRUE(catalog.has_value());
+    EXPECT_NE(catalog->find("a"), nullptr);
+    EXPECT_NE(catalog->find("b"), nullptr);
+}
+
+TEST_F(SceneFolders, AnAssetTooLargeForMemoryIsRefusedUnbuilt) {
+    // Small on disk: a tile of 1024 in 256 patches whose boxes are half the tile, with 255 contents each
+    ContentExchangeAsset asset =
+        tests::make_synthetic_asset({.tile_side = 1024, .patches = 256, .contents = 2});
+    for (auto& patch : asset.patches) {
+        patch.width = patch.height = 512;
+        patch.contents.assign(255, {4, 4});
+    }
+    const fs::path folder = scene("huge", R"({"content_exchange": {"asset": "asset"}})");
+    ASSERT_TRUE(write_content_exchange_asset(folder / "asset", asset, 1));
+    const auto loaded = load_scene(folder);
+    ASSERT_FALSE(loaded.has_value());
+    EXPECT_THAT(loaded.error().detail, HasSubstr("content_exchange.asset"));
+    EXPECT_THAT(loaded.error().detail, HasSubstr("MiB"));
+}
+
+TEST_F(SceneFolders, LoadingStopsWhenAskedTo) {
+    scene("board", R"({"checker": {}})");
+    std::stop_source stop;
+    stop.request_stop();
+    EXPECT_EQ(load_catalog(folder_.path, stop.get_token()).error().code, ErrorCode::cancelled);
 }
 
 TEST_F(SceneFolders, OneBrokenSceneDoesNotStopTheOthers) {
