@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <vector>
@@ -28,11 +29,16 @@ struct Arguments {
 };
 
 Result<void> write_file(const std::string& file, const std::vector<std::uint8_t>& bytes) {
-    std::ofstream out{file, std::ios::binary | std::ios::trunc};
+    const std::string partial = file + ".partial";
+    std::ofstream out{partial, std::ios::binary | std::ios::trunc};
     out.write(reinterpret_cast<const char*>(bytes.data()), std::ssize(bytes));
     out.close();
-    if (!out) return Error{ErrorCode::io_failure, file + ": cannot be written"};
-    return {};
+    std::error_code failure;
+    if (out) std::filesystem::rename(partial, file, failure);
+    if (out && !failure) return {};
+    std::error_code ignored;
+    std::filesystem::remove(partial, ignored);
+    return Error{ErrorCode::io_failure, file + ": cannot be written"};
 }
 
 Result<void> run_page(const Arguments& arguments) {
@@ -100,9 +106,17 @@ Result<void> run_bake(const Arguments& arguments) {
     if (!scene) return scene.error();
     const Interrupt interrupt;
     TerminalProgress progress{"tessera bake", {{"baking", 1.0}}, arguments.quiet, interrupt.token()};
-    return bake(*(*scene)->texture, *region,
-                Budget{.accuracy = *accuracy_named(arguments.accuracy), .cancelled = interrupt.token()},
-                arguments.output, [&](double done) { progress.advance("baking", done); });
+    const auto baked =
+        bake(*(*scene)->texture, *region,
+             Budget{.accuracy = *accuracy_named(arguments.accuracy), .cancelled = interrupt.token()},
+             arguments.output, [&](double done) { progress.advance("baking", done); });
+    if (!baked && baked.error().code == ErrorCode::cancelled)
+        return Error{ErrorCode::cancelled,
+                     arguments.output + ": stopped before it was done; nothing is left of it"};
+    if (baked && !arguments.quiet)
+        progress.note(arguments.output + ": " + std::to_string(region->width) + " × " +
+                      std::to_string(region->height) + " texels of level " + std::to_string(region->level));
+    return baked;
 }
 
 Result<void> run_check(const Arguments& arguments) {
