@@ -150,7 +150,7 @@ Result<PhotoScene> make_photo_scene(const fs::path& photo, const fs::path& folde
     if (!id.empty() && !force) {
         if (const auto scene = load_scene(folder / id); !scene)
             return Error{scene.error().code,
-                         scene.error().detail + "; mend it, or make it again with --force"};
+                         scene.error().detail + "; mend it, or make it again: tessera scene --force"};
         return PhotoScene{id, Made::kept};
     }
     const auto asset = prepare(*exemplar, photo.string(), progress);

@@ -50,7 +50,7 @@ test('zooms through every level from 0 to 30, and shows the right colour at each
   for (let level = 0; level <= 30; ++level) {
     await wait_for_reading(page, 'level', String(level));
     await all_pages_shown(page);
-    assert.equal((await read(page, 'page')).split('/')[0], String(level));
+    assert.match(await read(page, 'page'), new RegExp(`^level ${level} · \\d+, \\d+$`));
     assert.deepEqual((await colours_at(page, [[320, 240]]))[0], clay, `level ${level}`);
     await page.keyboard.press('-');
   }
@@ -66,9 +66,13 @@ test('reads out texel, page and what the server says of the page', async () => {
   await all_pages_shown(page);
   assert.equal(await read(page, 'x'), '274,877,906,943');
   assert.equal(await read(page, 'y'), '274,877,906,943');
-  assert.equal(await read(page, 'page'), '0/1073741823/1073741823');
+  assert.equal(await read(page, 'page'), 'level 0 · 1073741823, 1073741823');
+  assert.match(await page.locator('[data-read="page"]').getAttribute('title'), / 30\/1073741823\/1073741823,/);
   assert.match(await read(page, 'facts'), /\d B|kB/);
-  assert.match(await read(page, 'facts'), /constant.*exact/);
+  assert.match(await read(page, 'facts'), /constant · exact$/);
+  for (const [word, meaning] of [['constant', /One colour/], ['exact', /exact mean/]]) {
+    assert.match(await page.locator('[data-read="facts"]').getByText(word, {exact: true}).getAttribute('title'), meaning);
+  }
   await page.mouse.move(middle[0] + 5, middle[1]);
   await wait_for_reading(page, 'page', 'outside');
   await page.mouse.move(middle[0] - 300, middle[1] - 100);
@@ -88,6 +92,15 @@ test('draws the borders and keys of pages when asked', async () => {
   assert.equal(await page.getByRole('button', {name: 'Page grid'}).getAttribute('aria-pressed'), 'true');
   await page.keyboard.press('g');
   await wait_for_colour(page, on_border, clay);
+  await close();
+});
+
+test('keeps the key of a page that begins behind the top bar below the bar', async () => {
+  const {page, close} = await open_page(browser, `${server.origin}/#clay/0/${256 * 1000 + 140}/${256 * 1000 + 370}?grid=1`);
+  await all_pages_shown(page);
+  const bar = await page.locator('.top-bar').boundingBox();
+  assert.ok(bar.y + bar.height > middle[1] - 370, 'the page begins behind the bar');
+  await wait_for_colour(page, [middle[0] - 133, Math.ceil(bar.y + bar.height) + 15], ([red]) => red < 80); // the label's ground
   await close();
 });
 

@@ -20,12 +20,14 @@ export class PageGridLayer extends Layer {
    * @param {import('./texture.js').Texture} texture
    * @param {import('./page_ledger.js').PageLedger} ledger
    * @param {(resolution: number) => number} level_shown
+   * @param {() => number} covered_above CSS pixels at the top of the view that the bar covers.
    */
-  constructor(texture, ledger, level_shown) {
+  constructor(texture, ledger, level_shown, covered_above) {
     super({properties: {name: 'page grid'}});
     this.#texture = texture;
     this.#ledger = ledger;
     this.level_shown = level_shown;
+    this.covered_above = covered_above;
     this.#canvas.className = 'page-grid';
   }
 
@@ -75,17 +77,18 @@ export class PageGridLayer extends Layer {
     const half = [(size[0] / 2) * resolution, (size[1] / 2) * resolution];
     context.font = `${11 * ratio}px ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace`;
     context.textBaseline = 'middle';
+    const highest_label = this.covered_above() * ratio;
     for (let y = index(-center[1] - half[1]); y <= index(-center[1] + half[1]); ++y) {
       for (let x = index(center[0] - half[0]); x <= index(center[0] + half[0]); ++x) {
         const [left, top] = place(x * side, y * side);
         const [right, bottom] = place((x + 1) * side, (y + 1) * side);
-        this.#draw_page(context, {level, x, y}, [left, top, right - left, bottom - top], ratio);
+        this.#draw_page(context, {level, x, y}, [left, top, right - left, bottom - top], ratio, highest_label);
       }
     }
   }
 
-  /** @param {CanvasRenderingContext2D} context @param {import('./texture.js').PageKey} page @param {number[]} box @param {number} ratio */
-  #draw_page(context, page, [left, top, width, height], ratio) {
+  /** @param {CanvasRenderingContext2D} context @param {import('./texture.js').PageKey} page @param {number[]} box @param {number} ratio @param {number} highest_label */
+  #draw_page(context, page, [left, top, width, height], ratio, highest_label) {
     const state = this.#ledger.find(page)?.state ?? 'loading';
     const line = Math.max(1, Math.round(ratio));
     context.lineWidth = line;
@@ -97,13 +100,14 @@ export class PageGridLayer extends Layer {
     const text = state === 'ready' || state === 'cached' ? key_text(page) : `${key_text(page)} ${state}`;
     const [label_width, label_height] = [context.measureText(text).width + 12 * ratio, 20 * ratio];
     if (label_width + 8 * ratio > width || label_height + 8 * ratio > height) return;
-    // A page that begins left of the view still shows its key, as long as there is room for it
+    // A page that begins left of the view, or behind the bar, still shows its key, as long as there is room for it
     const label_left = Math.min(Math.max(left, 0), left + width - label_width - 9 * ratio) + 5 * ratio;
+    const label_top = Math.min(Math.max(top, highest_label), top + height - label_height - 9 * ratio) + 5 * ratio;
     context.fillStyle = 'rgba(12, 14, 16, 0.78)';
     context.beginPath();
-    context.roundRect(label_left, top + 5 * ratio, label_width, label_height, 4 * ratio);
+    context.roundRect(label_left, label_top, label_width, label_height, 4 * ratio);
     context.fill();
     context.fillStyle = state === 'ready' || state === 'cached' ? 'rgba(255, 255, 255, 0.92)' : state_colours[state];
-    context.fillText(text, label_left + 6 * ratio, top + 15.5 * ratio);
+    context.fillText(text, label_left + 6 * ratio, label_top + 10.5 * ratio);
   }
 }

@@ -6,8 +6,8 @@ export const page_side = 256;
  * @typedef {{level: number, x: number, y: number}} PageKey
  */
 
-/** "level/x/y". @param {PageKey} page */
-export const key_text = ({level, x, y}) => `${level}/${x}/${y}`;
+/** "level · x, y": unlike the z/x/y of addresses, where z counts from the coarsest level. @param {PageKey} page */
+export const key_text = ({level, x, y}) => `${level} · ${x}, ${y}`;
 
 /** Names of the kinds of texture, for people. */
 const kind_names = {
@@ -48,10 +48,15 @@ export class Texture {
    */
   page_url({level, x, y}, {format, accuracy}) {
     const path = this.page_template
-      .replace('{z}', String(this.coarsest_level - level))
+      .replace('{z}', String(this.z_of(level)))
       .replace('{x}', String(x))
       .replace('{y}', String(y));
     return `${path}.${format}${accuracy === 'high' ? '' : `?accuracy=${accuracy}`}`;
+  }
+
+  /** The zoom of a level in addresses: 0 is the coarsest. @param {number} level */
+  z_of(level) {
+    return this.coarsest_level - level;
   }
 
   /** @param {{x: number, y: number}} texel */

@@ -47,7 +47,7 @@ export class Viewer {
     this.page = page;
     this.options = chosen(address.options);
     this.#source = new PageSource(texture, this.#ledger, this.#request(), page.stale);
-    this.#grid = new PageGridLayer(texture, this.#ledger, (resolution) => this.#level_shown(resolution));
+    this.#grid = new PageGridLayer(texture, this.#ledger, (resolution) => this.#level_shown(resolution), () => this.#free_box().top);
     this.#grid.shown = address.options.grid === '1';
     this.#build();
     this.#map = this.#make_map();
@@ -332,10 +332,24 @@ export class Viewer {
   }
 
   #fit() {
-    const [width, height] = this.#map.getSize() ?? [256, 256];
+    const margin = 8;
+    const {top, bottom, side: covered} = this.#free_box();
+    const {clientWidth: width, clientHeight: height} = this.canvas;
     const side = this.texture.side_texels;
-    const resolution = Math.min(2 ** this.texture.coarsest_level, (side / Math.max(64, Math.min(width, height))) * 1.06);
-    this.#animate({resolution, center: [side / 2, -side / 2]});
+    const room = Math.max(64, Math.min(width - 2 * covered, height - top - bottom) - 2 * margin);
+    const resolution = Math.min(2 ** this.texture.coarsest_level, side / room);
+    this.#animate({resolution, center: [side / 2, -side / 2 + ((top - bottom) / 2) * resolution]});
+  }
+
+  /** CSS pixels that the bars cover: above, below, and on each side, so that what is fitted stays in the middle. */
+  #free_box() {
+    const view = this.element.getBoundingClientRect();
+    const box_of = (/** @type {string} */ name) => this.element.querySelector(name).getBoundingClientRect();
+    return {
+      top: box_of('.top-bar').bottom - view.top,
+      bottom: view.bottom - box_of('.lower').top,
+      side: view.right - box_of('.level-rail').left,
+    };
   }
 
   /** @param {{x: number, y: number, level: number | null}} place */
