@@ -1,24 +1,25 @@
 #include "server/http/commands.h"
 
 #include <algorithm>
-#include <csignal>
 #include <cstdio>
+#include <exception>
 #include <iostream>
 #include <memory>
+#include <stop_token>
+#include <string_view>
 #include <thread>
 
 #include <CLI/CLI.hpp>
-#include <pthread.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include "server/http/load_site.h"
 #include "server/http/server.h"
 #include "server/http/server_options.h"
+#include "server/http/told_by_signals.h"
 
 namespace tessera {
 namespace {
-
-namespace fs = std::filesystem;
 
 /// What a person types, before it is checked.
 struct ServeArguments {
@@ -46,66 +47,22 @@ Result<void> read_listen(const std::string& text, ServerOptions& options) {
     return {};
 }
 
-/// share/tessera/web beside the bin folder that this program runs from.
-fs::path installed_web() {
-    std::error_code failure;
-    const fs::path program = fs::read_symlink("/proc/self/exe", failure);
-    return program.parent_path().parent_path() / "share" / "tessera" / "web";
-}
-
-Result<std::shared_ptr<const WebFiles>> read_web(const ServerOptions& options) {
-    if (!options.web.empty()) return WebFiles::read(options.web);
-    std::error_code failure;
-    const fs::path folder = installed_web();
-    return fs::is_directory(folder, failure) ? WebFiles::read(folder) : WebFiles::plain();
-}
-
-/// Scenes that can be served. A folder of which nothing can be served is an error.
-Result<std::shared_ptr<const Catalog>> read_scenes(const ServerOptions& options) {
-    auto catalog = load_catalog(options.scenes);
-    if (!catalog) return Error{catalog.error().code, "--scenes " + catalog.error().detail};
-    // /scenes shows these messages to everybody, so they name files inside the folder only
-    const std::string folder = (options.scenes / "").string();
-    for (Catalog::Problem& problem : catalog->broken) {
-        for (std::size_t at; (at = problem.message.find(folder)) != std::string::npos;)
-            problem.message.erase(at, folder.size());
-        spdlog::error("scene {} is left out: {}", problem.id, problem.message);
+/// Whatever goes wrong, the server goes on with what it has.
+void reload(Server& server, const ServerOptions& options, const std::stop_token& stop) {
+    const auto failed = [&](std::string_view why) {
+        server.metrics().reloads_failed.Increment();
+        spdlog::error("the reload failed, the scenes stay as they were: {}", why);
+    };
+    try {
+        spdlog::info("reloading the scenes");
+        const auto site = load_site(options, stop);
+        if (stop.stop_requested()) return;
+        if (!site) return failed(site.error().detail);
+        server.publish(site->catalog, site->web);
+        spdlog::info("reloaded: {} scenes", site->catalog->scenes.size());
+    } catch (const std::exception& unexpected) {
+        failed(unexpected.what());
     }
-    if (catalog->scenes.empty())
-        return Error{ErrorCode::invalid_input,
-                     "--scenes " + options.scenes.string() + ": holds no scene that can be served" +
-                         (catalog->broken.empty() ? "; a scene is a folder with a scene.json" : "")};
-    for (const auto& [id, scene] : catalog->scenes)
-        spdlog::info("scene {}: {}, {} texels a side, fingerprint {}", id, scene->texture->kind(),
-                     scene->extent.side_texels(), scene->fingerprint);
-    return std::make_shared<const Catalog>(std::move(*catalog));
-}
-
-void reload(Server& server, const ServerOptions& options) {
-    spdlog::info("reloading the scenes");
-    const auto catalog = read_scenes(options);
-    const auto web = catalog ? read_web(options) : Error{};
-    if (catalog && web) {
-        server.publish(*catalog, *web);
-        spdlog::info("reloaded: {} scenes", (*catalog)->scenes.size());
-        return;
-    }
-    server.metrics().reloads_failed.Increment();
-    spdlog::error("the reload failed, the scenes stay as they were: {}",
-                  catalog ? web.error().detail : catalog.error().detail);
-}
-
-/// Serves until a signal asks to stop, and stops. Reloads run beside, one at a time, so that a stop does not
-/// wait in line behind one.
-void serve_until_told(Server& server, const ServerOptions& options, const sigset_t& signals) {
-    std::thread reloading;
-    for (int signal = 0; sigwait(&signals, &signal) == 0 && signal == SIGHUP;) {
-        if (reloading.joinable()) reloading.join();
-        reloading = std::thread{[&] { reload(server, options); }};
-    }
-    spdlog::info("stopping");
-    server.stop();
-    if (reloading.joinable()) reloading.join();
 }
 
 Result<void> serve(ServeArguments& arguments) {
@@ -115,24 +72,26 @@ Result<void> serve(ServeArguments& arguments) {
     options.pages.cache_bytes = arguments.cache_mb << 20;
     options.pages.deadline = std::chrono::milliseconds{static_cast<long>(arguments.deadline_seconds * 1000)};
 
-    // Signals are taken by sigwait() alone, so every thread is born with them blocked
-    sigset_t signals;
-    sigemptyset(&signals);
-    for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&signals, signal);
-    pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-    std::signal(SIGPIPE, SIG_IGN);
-
+    const sigset_t signals = block_signals();
     auto server = Server::start(options);
     if (!server) return server.error();
-    const auto web = read_web(options);
-    if (!web) return web.error();
-    const auto catalog = read_scenes(options);
-    if (!catalog) return catalog.error();
-    (*server)->publish(*catalog, *web);
-    std::printf("tessera: listening on %s\n", (*server)->address().c_str());
+    const std::string address = (*server)->address();
+
+    // Answers in flight end while the scene that is just being loaded does
+    ReloadRequest reload_request;
+    std::stop_source stop;
+    const ToldBySignals told{signals, reload_request, stop, [&] {
+                                 spdlog::info("stopping");
+                                 (*server)->stop();
+                             }};
+    const auto site = load_site(options, stop.get_token());
+    if (stop.stop_requested()) return {};
+    if (!site) return site.error();
+    (*server)->publish(site->catalog, site->web);
+    std::printf("tessera: listening on %s\n", address.c_str());
     std::fflush(stdout);
 
-    serve_until_told(**server, options, signals);
+    while (reload_request.wait(stop.get_token())) reload(**server, options, stop.get_token());
     return {};
 }
 
@@ -178,9 +137,14 @@ void add_serve_command(CLI::App& app, int& exit_code) {
 
     command->callback([arguments, &exit_code] {
         spdlog::set_default_logger(spdlog::stderr_color_mt("tessera"));
-        if (const auto served = serve(*arguments); !served) {
-            std::cerr << "tessera serve: " << served.error().detail << '\n';
+        const auto fail = [&exit_code](std::string_view why) {
+            std::cerr << "tessera serve: " << why << '\n';
             exit_code = 1;
+        };
+        try {
+            if (const auto served = serve(*arguments); !served) fail(served.error().detail);
+        } catch (const std::exception& unexpected) {  // memory or threads for the start ran out
+            fail(unexpected.what());
         }
     });
 }
