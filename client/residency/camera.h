@@ -33,7 +33,7 @@ inline double distance_y(const TexelPoint& from, const TexelPoint& to) noexcept 
 
 /// An eye above the plane. It never rolls: the horizon is level.
 struct Camera {
-    TexelPoint ground{};                  ///< The point of the plane straight below the eye: the clip centre.
+    TexelPoint ground{};                ///< The point of the plane straight below the eye: the clip centre.
     double height_texels = 512;         ///< Above the plane, more than 0.
     double yaw_degrees = 0;             ///< Compass heading: 0 looks north (−y), 90 east (+x).
     double pitch_degrees = -40;         ///< −90 looks straight down, 0 at the horizon; at most 89.

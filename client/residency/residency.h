@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "client/residency/needed_pages.h"
-#include "client/residency/page_cache.h"
 #include "client/residency/page_requests.h"
 #include "client/residency/page_table.h"
+#include "client/residency/slot_cache.h"
 
 namespace tessera {
 
@@ -59,7 +59,7 @@ class Residency {
 
     PageTable& table() { return table_; }
     const PageTable& table() const { return table_; }
-    const PageCache& cache() const { return cache_; }
+    const SlotCache& cache() const { return cache_; }
     const PageRequests& requests() const { return requests_; }
     const ResidencySettings& settings() const { return settings_; }
     Extent extent() const { return extent_; }
@@ -74,7 +74,7 @@ class Residency {
     Extent extent_;
     ResidencySettings settings_;
     PageTable table_;
-    PageCache cache_;
+    SlotCache cache_;
     PageRequests requests_;
     double lod_bias_ = 0;
 };

@@ -1,4 +1,4 @@
-#include "client/residency/page_cache.h"
+#include "client/residency/slot_cache.h"
 
 #include <map>
 #include <random>
@@ -10,8 +10,8 @@ namespace {
 
 PageKey page(std::uint32_t x) { return {0, x, 0}; }
 
-TEST(PageCache, EvictsThePageThatWasLongestUnused) {
-    PageCache cache{3};
+TEST(SlotCache, EvictsThePageThatWasLongestUnused) {
+    SlotCache cache{3};
     for (std::uint32_t x = 0; x < 3; ++x) cache.insert(page(x), false);
     cache.use(*cache.find(page(0)));
     cache.begin_frame();
@@ -21,8 +21,8 @@ TEST(PageCache, EvictsThePageThatWasLongestUnused) {
     EXPECT_TRUE(cache.find(page(0)));
 }
 
-TEST(PageCache, GivesAUsedPageOneSecondChanceOnly) {
-    PageCache cache{2};
+TEST(SlotCache, GivesAUsedPageOneSecondChanceOnly) {
+    SlotCache cache{2};
     cache.insert(page(0), false);
     cache.insert(page(1), false);
     cache.use(*cache.find(page(0)));
@@ -31,8 +31,8 @@ TEST(PageCache, GivesAUsedPageOneSecondChanceOnly) {
     EXPECT_EQ(cache.insert(page(3), false)->evicted, page(0));
 }
 
-TEST(PageCache, NeverEvictsWhatThisFrameUsesOrWhatIsPinned) {
-    PageCache cache{2};
+TEST(SlotCache, NeverEvictsWhatThisFrameUsesOrWhatIsPinned) {
+    SlotCache cache{2};
     cache.insert(page(0), true);
     cache.insert(page(1), false);
     cache.use(*cache.find(page(1)));
@@ -42,8 +42,8 @@ TEST(PageCache, NeverEvictsWhatThisFrameUsesOrWhatIsPinned) {
     EXPECT_TRUE(cache.find(page(0)));
 }
 
-TEST(PageCache, HoldsEachPageInOneSlotAndOnePageInEachSlot) {
-    PageCache cache{37};
+TEST(SlotCache, HoldsEachPageInOneSlotAndOnePageInEachSlot) {
+    SlotCache cache{37};
     std::map<PageKey, Slot> model;
     std::mt19937 random{3};
     for (int step = 0; step < 50000; ++step) {

@@ -1,23 +1,23 @@
-#include "client/residency/page_cache.h"
+#include "client/residency/slot_cache.h"
 
 namespace tessera {
 
-PageCache::PageCache(std::size_t slots) : slots_(slots) { order_.reserve(slots); }
+SlotCache::SlotCache(std::size_t slots) : slots_(slots) { order_.reserve(slots); }
 
-std::optional<Slot> PageCache::find(PageKey page) const {
+std::optional<Slot> SlotCache::find(PageKey page) const {
     const auto found = slot_of_.find(page);
     if (found == slot_of_.end()) return std::nullopt;
     return found->second;
 }
 
-void PageCache::use(Slot slot) {
+void SlotCache::use(Slot slot) {
     slots_[slot].used_in_frame = frame_;
     slots_[slot].used = true;
 }
 
 /// Second chance: the hand goes round the ring; a slot that was used since the last visit is passed over
 /// once.
-std::optional<Slot> PageCache::victim() {
+std::optional<Slot> SlotCache::victim() {
     for (std::size_t looked_at = 0; looked_at < 2 * order_.size(); ++looked_at) {
         const Slot slot = order_[hand_];
         hand_ = (hand_ + 1) % order_.size();
@@ -29,7 +29,7 @@ std::optional<Slot> PageCache::victim() {
     return std::nullopt;
 }
 
-std::optional<PageCache::Placement> PageCache::insert(PageKey page, bool pinned) {
+std::optional<SlotCache::Placement> SlotCache::insert(PageKey page, bool pinned) {
     Placement placement;
     if (filled_ < slots_.size()) {
         placement.slot = static_cast<Slot>(filled_++);

@@ -14,10 +14,10 @@ namespace tessera {
 /// Which page is in which slot. Least recently used pages leave first, with a second chance: a page that was
 /// used since it was last looked at is passed over once. A page used in the present frame and a pinned page
 /// never leave.
-class PageCache {
+class SlotCache {
   public:
     /// `slots`: 1 to 65,534.
-    explicit PageCache(std::size_t slots);
+    explicit SlotCache(std::size_t slots);
 
     /// Starts the next frame: nothing counts as used in it yet.
     void begin_frame() { ++frame_; }
