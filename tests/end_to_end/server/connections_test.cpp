@@ -166,6 +166,32 @@ TEST(Connections, TooManyAreTurnedAway) {
     }));
 }
 
+TEST(Connections, ACrowdIsTurnedAwayAndForgotten) {
+    ServerOptions options = test::quick_options();
+    options.max_connections = 1;
+    options.io_threads = 3;  // those turned away are not on the thread that accepts and counts them
+    RunningServer running{options};
+    RawClient inside = running.client();
+    EXPECT_EQ(inside.get("/healthz")->status, 200);
+    const auto told_of_a_crowd = [&] {
+        std::vector<RawClient> crowd;
+        for (int i = 0; i < 200; ++i) crowd.push_back(running.client());
+        std::size_t told = 0;
+        for (RawClient& client : crowd) {
+            const auto busy = client.receive();
+            if (busy && busy->status == 503) ++told;
+            EXPECT_TRUE(client.is_closed());
+        }
+        return told;
+    };
+    EXPECT_GE(told_of_a_crowd(), 64u);
+    EXPECT_TRUE(eventually([&] {
+        std::this_thread::sleep_for(200ms);  // the answers linger a little
+        return told_of_a_crowd() >= 64;
+    })) << "the crowd before must not count";
+    EXPECT_EQ(inside.get("/healthz")->status, 200);
+}
+
 TEST(Connections, SlowSendersAreToldAndSilentOnesAreNot) {
     ServerOptions options = test::quick_options();
     options.session.head_time = 100ms;

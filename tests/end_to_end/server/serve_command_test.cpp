@@ -136,7 +136,7 @@ TEST_F(ServeCommand, NamesFilesInsideTheFolderOnlyWhereverItIsStarted) {
 }
 
 TEST_F(ServeCommand, GoesOnWithItsScenesWhenAReloadRunsOutOfMemory) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef TESSERA_SANITIZED
     GTEST_SKIP() << "NOT TESTED under sanitizers: their shadow memory leaves no room for a limit";
 #endif
     const fs::path web = folder / "web";
