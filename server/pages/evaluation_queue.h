@@ -9,8 +9,8 @@
 
 namespace tessera {
 
-/// Jobs that wait for a thread, the most urgent first; among equals coarse pages before fine ones, since they show
-/// more, and otherwise in the order of arrival. Bounded. No locks: the owner has one.
+/// Jobs that wait for a thread, the most urgent first; among equals coarse pages before fine ones, since they
+/// show more, and otherwise in the order of arrival. Bounded. No locks: the owner has one.
 template <class Job>
 class EvaluationQueue {
   public:
@@ -27,8 +27,9 @@ class EvaluationQueue {
         friend bool operator==(const Place&, const Place&) = default;
 
       private:
-        /// Each level is a head start of so many arrivals: a view's coarse pages come first, and yet no stream of
-        /// coarse pages, however long, holds up a fine one for more than `head_start` of them a level.
+        /// Each level is a head start of so many arrivals: a view's coarse pages come first, and yet no
+        /// stream of coarse pages, however long, holds up a fine one for more than `head_start` of them a
+        /// level.
         std::int64_t turn() const noexcept { return static_cast<std::int64_t>(number) - head_start * level; }
     };
     static constexpr std::int64_t head_start = 16;

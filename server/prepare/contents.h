@@ -6,8 +6,8 @@
 #include "server/prepare/candidates.h"
 #include "server/prepare/patches.h"
 #include "server/prepare/perceptual.h"
-#include "server/progress/progress.h"
 #include "server/prepare/tile.h"
+#include "server/progress/progress.h"
 
 namespace tessera {
 
