@@ -134,14 +134,9 @@ Result<std::shared_ptr<const Texture>> compile(const fs::path& folder, const fs:
     return invalid(file, "has no texture; give it one of constant, checker, content_exchange");
 }
 
-/// Whether the scene file is no longer what was parsed.
-bool text_changed(const fs::path& file, const std::string& text) {
-    const auto now = read_text(file);
-    return !now || *now != text;
-}
-
-/// Covers every file of the folder by relative name and content, and the evaluator's version.
-Result<std::string> fingerprint_of(const fs::path& folder) {
+/// Covers every file of the folder by relative name and content, and the versions of evaluator and encoders.
+/// Of the scene file it takes `scene_text`, which was parsed, and not what the file may hold by now.
+Result<std::string> fingerprint_of(const fs::path& folder, const std::string& scene_text) {
     std::vector<fs::path> files;
     std::error_code failure;
     for (fs::recursive_directory_iterator entry{folder, failure}, end; !failure && entry != end;
@@ -153,11 +148,17 @@ Result<std::string> fingerprint_of(const fs::path& folder) {
     XXH3_64bits_reset(state.get());
     const std::string versions = std::string{evaluator_version} + '/' + std::to_string(encoder_version);
     XXH3_64bits_update(state.get(), versions.data(), versions.size());
+    const auto add_header = [&](const std::string& name, std::uintmax_t bytes) {
+        const std::string header = name + '\0' + std::to_string(bytes) + '\0';
+        XXH3_64bits_update(state.get(), header.data(), header.size());
+    };
+    add_header("scene.json", scene_text.size());
+    XXH3_64bits_update(state.get(), scene_text.data(), scene_text.size());
     std::vector<char> block(1 << 16);
     for (const fs::path& path : files) {
         const std::string name = path.lexically_relative(folder).generic_string();
-        const std::string header = name + '\0' + std::to_string(fs::file_size(path, failure)) + '\0';
-        XXH3_64bits_update(state.get(), header.data(), header.size());
+        if (name == "scene.json") continue;
+        add_header(name, fs::file_size(path, failure));
         std::ifstream in{path, std::ios::binary};
         while (in.read(block.data(), std::ssize(block)) || in.gcount() > 0)
             XXH3_64bits_update(state.get(), block.data(), static_cast<std::size_t>(in.gcount()));
@@ -190,14 +191,15 @@ Result<ScenePtr> load_once(const fs::path& folder, const std::string& id) {
                        "extent_log2_pages: is " + std::to_string(n) + "; from 1 to 30 (2^38 texels a side)");
     scene->extent.n = static_cast<std::uint8_t>(n);
 
-    // The fingerprint must name the bytes that were compiled: a file that changes meanwhile is read again
-    const auto before = fingerprint_of(folder);
+    // The fingerprint must name the bytes that were compiled: where an asset changes meanwhile, all is read
+    // again
+    const auto before = fingerprint_of(folder, *text);
     if (!before) return before.error();
     auto texture = compile(folder, file, message);
     if (!texture) return texture.error();
-    auto after = fingerprint_of(folder);
+    auto after = fingerprint_of(folder, *text);
     if (!after) return after.error();
-    if (*before != *after || text_changed(file, *text)) return Error{ErrorCode::page_changed, {}};
+    if (*before != *after) return Error{ErrorCode::page_changed, {}};
     scene->texture = *texture;
     scene->fingerprint = *after;
     return ScenePtr{std::move(scene)};
