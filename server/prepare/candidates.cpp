@@ -5,7 +5,7 @@
 
 namespace tessera {
 
-using Offset = ContentExchangeAsset::Offset;
+using Offset = ExchangeAsset::Offset;
 
 bool lie_apart(const Offset& a, const Offset& b, std::int32_t distance) {
     return std::max(std::abs(a.x - b.x), std::abs(a.y - b.y)) >= distance;
@@ -67,7 +67,7 @@ class Uses {
           counts_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_)) {}
 
     /// The mean over a patch's box, in 256ths.
-    std::uint64_t mean(const Offset& at, const ContentExchangeAsset::Patch& box) const {
+    std::uint64_t mean(const Offset& at, const ExchangeAsset::Patch& box) const {
         std::uint64_t sum = 0, cells = 0;
         for (std::int32_t y = at.y / cell; y <= (at.y + box.height - 1) / cell; ++y)
             for (std::int32_t x = at.x / cell; x <= (at.x + box.width - 1) / cell; ++x, ++cells)
@@ -75,7 +75,7 @@ class Uses {
         return 256 * sum / cells;
     }
 
-    void add(const Offset& at, const ContentExchangeAsset::Patch& box) {
+    void add(const Offset& at, const ExchangeAsset::Patch& box) {
         for (std::int32_t y = at.y / cell; y <= (at.y + box.height - 1) / cell; ++y)
             for (std::int32_t x = at.x / cell; x <= (at.x + box.width - 1) / cell; ++x, ++total_)
                 ++counts_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
@@ -99,7 +99,7 @@ class Uses {
 }  // namespace
 
 std::vector<std::vector<Candidate>> choose_evenly(const std::vector<std::vector<Candidate>>& candidates,
-                                                  const std::vector<ContentExchangeAsset::Patch>& patches,
+                                                  const std::vector<ExchangeAsset::Patch>& patches,
                                                   std::size_t wanted, const PerceptualImage& photo) {
     Uses uses{photo};
     std::vector<std::vector<Candidate>> left = candidates, chosen(candidates.size());

@@ -5,14 +5,14 @@
 #include <vector>
 
 #include "server/prepare/perceptual.h"
-#include "server/texture/content_exchange.h"
+#include "server/texture/exchange.h"
 
 namespace tessera {
 
 /// A place in the photograph that a patch might show.
 struct Candidate {
     std::uint64_t cost = 0;  ///< The less, the better it fits.
-    ContentExchangeAsset::Offset at;
+    ExchangeAsset::Offset at;
 
     bool operator<(const Candidate& other) const {
         return std::tuple{cost, at.y, at.x} < std::tuple{other.cost, other.at.y, other.at.x};
@@ -20,13 +20,13 @@ struct Candidate {
 };
 
 /// Chebyshev's distance of two places is at least `distance`.
-bool lie_apart(const ContentExchangeAsset::Offset& a, const ContentExchangeAsset::Offset& b,
+bool lie_apart(const ExchangeAsset::Offset& a, const ExchangeAsset::Offset& b,
                std::int32_t distance);
 
 /// The cheapest of the sorted candidates that lie `distance` apart from each other and from `taken`; at most
 /// `count`.
 std::vector<Candidate> spread(const std::vector<Candidate>& sorted,
-                              const std::vector<ContentExchangeAsset::Offset>& taken, std::int32_t distance,
+                              const std::vector<ExchangeAsset::Offset>& taken, std::int32_t distance,
                               std::size_t count);
 
 /// How much goes on in each box of the photograph, against the whole. What is flat fits anywhere tolerably,
@@ -37,7 +37,7 @@ class Liveliness {
 
     /// `cost` raised up to twofold for a flat box, lowered for a lively one, unchanged for an average one.
     /// The box is inside the photograph.
-    std::uint64_t weigh(std::uint64_t cost, const ContentExchangeAsset::Offset& at, std::int32_t width,
+    std::uint64_t weigh(std::uint64_t cost, const ExchangeAsset::Offset& at, std::int32_t width,
                         std::int32_t height) const;
 
   private:
@@ -52,7 +52,7 @@ class Liveliness {
 /// shown about equally often: in turn each patch takes what is cheapest, in view of how often it is shown
 /// already.
 std::vector<std::vector<Candidate>> choose_evenly(const std::vector<std::vector<Candidate>>& candidates,
-                                                  const std::vector<ContentExchangeAsset::Patch>& patches,
+                                                  const std::vector<ExchangeAsset::Patch>& patches,
                                                   std::size_t wanted, const PerceptualImage& photo);
 
 }  // namespace tessera

@@ -22,21 +22,21 @@ struct Arguments {
     bool quiet = false;
 };
 
-Result<ContentExchangeAsset> prepare_file(const Arguments& arguments, Progress& progress) {
+Result<ExchangeAsset> prepare_file(const Arguments& arguments, Progress& progress) {
     if (auto free = check_asset_target(arguments.asset); !free) return free.error();
     const auto photo = read_rgb_image(arguments.photo);
     if (!photo) return photo.error();
     auto asset = prepare_content_exchange(*photo, arguments.options, progress);
     if (!asset) return Error{asset.error().code, arguments.photo + ": " + asset.error().detail};
     progress.advance("writing", 0);
-    auto written = write_content_exchange_asset(arguments.asset, *asset, arguments.options.seed);
+    auto written = write_exchange_asset(arguments.asset, *asset, arguments.options.seed);
     if (!written) return written.error();
     return asset;
 }
 
 int run(const Arguments& arguments) {
     const Interrupt interrupt;
-    Result<ContentExchangeAsset> asset = [&] {
+    Result<ExchangeAsset> asset = [&] {
         TerminalProgress progress{"tessera prepare",
                                   {{"tile", 0.1}, {"patches", 0.05}, {"contents", 0.8}, {"writing", 0.05}},
                                   arguments.quiet,

@@ -11,8 +11,8 @@
 namespace tessera {
 namespace {
 
-using Offset = ContentExchangeAsset::Offset;
-using Box = ContentExchangeAsset::Patch;
+using Offset = ExchangeAsset::Offset;
+using Box = ExchangeAsset::Patch;
 
 /// The photograph at full resolution, halved, and so on.
 using Pyramid = std::map<std::int32_t, PerceptualImage>;

@@ -138,12 +138,12 @@ std::pair<std::int32_t, std::int32_t> shortest_arc(const std::vector<bool>& used
 }
 
 struct Extents {
-    std::vector<ContentExchangeAsset::Patch> boxes;
+    std::vector<ExchangeAsset::Patch> boxes;
     std::vector<std::int64_t> areas;
 };
 
 Extents measure(const std::vector<std::uint16_t>& labels, std::size_t count, std::int32_t side) {
-    Extents out{std::vector<ContentExchangeAsset::Patch>(count), std::vector<std::int64_t>(count)};
+    Extents out{std::vector<ExchangeAsset::Patch>(count), std::vector<std::int64_t>(count)};
     std::vector<std::vector<bool>> columns(count, std::vector<bool>(static_cast<std::size_t>(side))),
         rows = columns;
     for (std::int32_t y = 0, i = 0; y < side; ++y)

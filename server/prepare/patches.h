@@ -4,14 +4,14 @@
 #include <vector>
 
 #include "server/prepare/perceptual.h"
-#include "server/texture/content_exchange.h"
+#include "server/texture/exchange.h"
 
 namespace tessera {
 
 /// A cover of the torus by patches: connected, each in a bounding box of at most half the tile's side.
 struct Segmentation {
     std::vector<std::uint16_t> labels;                 ///< side×side
-    std::vector<ContentExchangeAsset::Patch> patches;  ///< Boxes; no contents yet.
+    std::vector<ExchangeAsset::Patch> patches;  ///< Boxes; no contents yet.
 };
 
 /// Grows about `count` patches on the periodic `tile` (square, a power of two a side), whose borders keep to

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/texture/content_exchange.h"
+#include "server/texture/rgb8_image.h"
 
 namespace tessera {
 

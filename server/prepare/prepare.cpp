@@ -30,7 +30,7 @@ Result<void> check(const PrepareOptions& options) {
         return invalid("--tile is " + std::to_string(options.tile_side) +
                        "; a power of two, such as 256 or 512");
     if (auto good = check_range("--patches", options.patches, least_patches, 4096); !good) return good;
-    if (auto good = check_range("--contents", options.contents, 1, ContentExchangeAsset::max_contents); !good)
+    if (auto good = check_range("--contents", options.contents, 1, ExchangeAsset::max_contents); !good)
         return good;
     if (auto good = check_range("--blend", options.blend_texels, 0, 64); !good) return good;
     if (options.blend_texels % 2 != 0)
@@ -38,10 +38,10 @@ Result<void> check(const PrepareOptions& options) {
     // What a server refuses to load is not worth preparing; boxes cover a tile some two and a half times
     const std::size_t texels = std::size_t(options.tile_side) * std::size_t(options.tile_side) * 5 / 2;
     if (const std::size_t bytes = texels * (std::size_t(options.contents) * 6 + 18);
-        bytes > max_content_exchange_bytes)
+        bytes > max_exchange_bytes)
         return invalid("--tile " + std::to_string(options.tile_side) + " with --contents " +
                        std::to_string(options.contents) + " would take about " + std::to_string(bytes >> 20) +
-                       " MiB when served, more than " + std::to_string(max_content_exchange_bytes >> 20) +
+                       " MiB when served, more than " + std::to_string(max_exchange_bytes >> 20) +
                        "; ask for a smaller tile or fewer contents");
     return {};
 }
@@ -91,10 +91,10 @@ Result<PrepareOptions> fitted(const Rgb8Image& photo, PrepareOptions options, Pr
 }
 
 Result<void> take_contents(const std::vector<std::vector<Candidate>>& found, std::int32_t wanted,
-                           ContentExchangeAsset& asset, Progress& progress) {
+                           ExchangeAsset& asset, Progress& progress) {
     std::size_t fewest = found.front().size(), short_of = 0;
     for (std::size_t p = 0; p < found.size(); ++p) {
-        for (const Candidate& content : found[p]) asset.patches[p].contents.push_back(content.at);
+        for (const Candidate& content : found[p]) asset.patches[p].contents.push_back({content.at, {}});
         fewest = std::min(fewest, found[p].size());
         short_of += found[p].size() < static_cast<std::size_t>(wanted) ? 1 : 0;
     }
@@ -111,7 +111,7 @@ Result<void> take_contents(const std::vector<std::vector<Candidate>>& found, std
 
 }  // namespace
 
-Result<ContentExchangeAsset> prepare_content_exchange(const Rgb8Image& photo, const PrepareOptions& asked,
+Result<ExchangeAsset> prepare_content_exchange(const Rgb8Image& photo, const PrepareOptions& asked,
                                                       Progress& progress) {
     if (auto good = check(asked); !good) return good.error();
     const auto options = fitted(photo, asked, progress);
@@ -122,7 +122,7 @@ Result<ContentExchangeAsset> prepare_content_exchange(const Rgb8Image& photo, co
     // Cut a tile that repeats without a visible edge
     const PeriodicTile tile = make_tile(colors, options->tile_side, options->threads, progress);
     if (progress.stop().stop_requested()) return stopped;
-    ContentExchangeAsset asset;
+    ExchangeAsset asset;
     asset.tile = cut_out(photo, tile);
     asset.tile_side = tile.side;
     asset.blend_texels = options->blend_texels;

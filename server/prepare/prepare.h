@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "server/progress/progress.h"
-#include "server/texture/content_exchange.h"
+#include "server/texture/exchange.h"
 #include "shared/result/result.h"
 
 namespace tessera {
@@ -23,7 +23,7 @@ struct PrepareOptions {
 /// same photograph, options and seed give the same asset on every machine. What cannot be had as asked (a
 /// tile larger than the photograph, more patches than fit) is made smaller, and noted to `progress`. Errors:
 /// invalid_input (an option out of range, a photograph too small), cancelled.
-Result<ContentExchangeAsset> prepare_content_exchange(const Rgb8Image& photo, const PrepareOptions& options,
+Result<ExchangeAsset> prepare_content_exchange(const Rgb8Image& photo, const PrepareOptions& options,
                                                       Progress& progress);
 
 }  // namespace tessera

@@ -50,9 +50,9 @@ Result<std::int32_t> in_range(const fs::path& json, const std::string& field, st
     return static_cast<std::int32_t>(value);
 }
 
-Result<ContentExchangeAsset::Patch> to_patch(const fs::path& json, const std::string& name,
-                                             const proto::Patch& message, const ContentExchangeAsset& asset) {
-    ContentExchangeAsset::Patch patch;
+Result<ExchangeAsset::Patch> to_patch(const fs::path& json, const std::string& name,
+                                             const proto::Patch& message, const ExchangeAsset& asset) {
+    ExchangeAsset::Patch patch;
     const auto x = in_range(json, name + ".x", message.x(), 0, asset.tile_side - 1);
     const auto y = in_range(json, name + ".y", message.y(), 0, asset.tile_side - 1);
     const auto width = in_range(json, name + ".width", message.width(), 1, asset.tile_side / 2);
@@ -64,9 +64,9 @@ Result<ContentExchangeAsset::Patch> to_patch(const fs::path& json, const std::st
     patch.width = *width;
     patch.height = *height;
 
-    if (message.contents_size() > ContentExchangeAsset::max_contents)
+    if (message.contents_size() > ExchangeAsset::max_contents)
         return invalid(json, name + ".contents: has " + std::to_string(message.contents_size()) +
-                                 "; at most " + std::to_string(ContentExchangeAsset::max_contents) +
+                                 "; at most " + std::to_string(ExchangeAsset::max_contents) +
                                  " for each patch");
 
     // The bounding box and half the blending width around it lie inside the exemplar
@@ -79,14 +79,14 @@ Result<ContentExchangeAsset::Patch> to_patch(const fs::path& json, const std::st
         const auto at_y = in_range(json, content + ".y", message.contents(i).y(), margin,
                                    asset.exemplar.height - patch.height - margin);
         if (!at_y) return at_y.error();
-        patch.contents.push_back({*at_x, *at_y});
+        patch.contents.push_back({{*at_x, *at_y}, {}});
     }
     return patch;
 }
 
 /// Every label names a patch, whose box encloses the texel; every patch has a texel.
 Result<void> check_labels(const fs::path& json, const fs::path& labels_file,
-                          const ContentExchangeAsset& asset) {
+                          const ExchangeAsset& asset) {
     std::vector<bool> seen(asset.patches.size());
     const std::int32_t mask = asset.tile_side - 1;
     for (std::int32_t y = 0, i = 0; y < asset.tile_side; ++y)
@@ -149,8 +149,8 @@ fs::path without_slash(const fs::path& folder) {
     return absolute.has_filename() ? absolute : absolute.parent_path();
 }
 
-proto::ContentExchangeAsset to_message(const ContentExchangeAsset& asset, std::uint64_t seed) {
-    proto::ContentExchangeAsset message;
+proto::ExchangeAsset to_message(const ExchangeAsset& asset, std::uint64_t seed) {
+    proto::ExchangeAsset message;
     message.set_exemplar("exemplar.png");
     message.set_tile("tile.png");
     message.set_patches("patches.png");
@@ -164,7 +164,7 @@ proto::ContentExchangeAsset to_message(const ContentExchangeAsset& asset, std::u
         out.set_y(static_cast<std::uint32_t>(patch.y));
         out.set_width(static_cast<std::uint32_t>(patch.width));
         out.set_height(static_cast<std::uint32_t>(patch.height));
-        for (const auto& offset : patch.contents) {
+        for (const auto& [offset, shape, standing, corners] : patch.contents) {
             proto::Content& content = *out.add_contents();
             content.set_x(static_cast<std::uint32_t>(offset.x));
             content.set_y(static_cast<std::uint32_t>(offset.y));
@@ -173,7 +173,7 @@ proto::ContentExchangeAsset to_message(const ContentExchangeAsset& asset, std::u
     return message;
 }
 
-Result<void> write_parts(const fs::path& folder, const ContentExchangeAsset& asset, std::uint64_t seed) {
+Result<void> write_parts(const fs::path& folder, const ExchangeAsset& asset, std::uint64_t seed) {
     if (auto done = write_rgb_png(folder / "exemplar.png", asset.exemplar); !done) return done;
     if (auto done = write_rgb_png(folder / "tile.png", asset.tile); !done) return done;
     if (auto done = write_label_png(folder / "patches.png", {asset.tile_side, asset.tile_side, asset.labels});
@@ -189,16 +189,16 @@ Result<void> write_parts(const fs::path& folder, const ContentExchangeAsset& ass
 
 }  // namespace
 
-Result<ContentExchangeAsset> read_content_exchange_asset(const fs::path& folder) {
+Result<ExchangeAsset> read_exchange_asset(const fs::path& folder) {
     const fs::path json = folder / "asset.json";
     const auto text = read_whole_file(json, max_asset_json_bytes);
     if (!text)
         return Error{text.error().code, text.error().detail + "; `tessera prepare PHOTO -o " +
                                             folder.string() + "` makes an asset"};
-    proto::ContentExchangeAsset message;
+    proto::ExchangeAsset message;
     if (auto read = read_json(*text, json.string(), message); !read) return read.error();
 
-    ContentExchangeAsset asset;
+    ExchangeAsset asset;
     const std::uint32_t side = message.tile_side();
     if (side < 16 || side > 4096 || (side & (side - 1)) != 0)
         return invalid(json, "tile_side: is " + std::to_string(side) + "; a power of two from 16 to 4096");
@@ -251,7 +251,7 @@ Result<void> check_asset_target(const fs::path& target) {
     return {};
 }
 
-Result<void> write_content_exchange_asset(const fs::path& target, const ContentExchangeAsset& asset,
+Result<void> write_exchange_asset(const fs::path& target, const ExchangeAsset& asset,
                                           std::uint64_t seed) {
     if (auto may = check_asset_target(target); !may) return may;
     const fs::path folder = without_slash(target);

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "server/texture/content_exchange.h"
+#include "server/texture/rgb8_image.h"
 #include "shared/result/result.h"
 
 namespace tessera {

@@ -10,7 +10,7 @@
 
 #include "server/scene/asset_file.h"
 #include "server/texture/constant_texture.h"
-#include "server/texture/content_exchange.h"
+#include "server/texture/exchange.h"
 #include "shared/page/page_format.h"
 #include "shared/wire/json.h"
 
@@ -89,11 +89,11 @@ Result<std::shared_ptr<const Texture>> compile_content_exchange(const fs::path& 
                                                                 const proto::ContentExchange& message) {
     const auto asset_folder = inside(folder, file, "content_exchange.asset", message.asset());
     if (!asset_folder) return asset_folder.error();
-    ContentExchangeOptions options;
+    ExchangeOptions options;
     options.seed = message.seed();
     options.blended = !message.unblended();
-    options.types = message.types() == 0 ? options.types : message.types();
-    if (options.types < 64 || options.types > 16384 || (options.types & (options.types - 1)) != 0)
+    options.types = message.types();
+    if (options.types != 0 && (options.types < 64 || options.types > 16384 || (options.types & (options.types - 1)) != 0))
         return invalid(file, "content_exchange.types: is " + std::to_string(options.types) +
                                  "; a power of two from 64 to 16384");
     switch (message.choice()) {
@@ -106,14 +106,14 @@ Result<std::shared_ptr<const Texture>> compile_content_exchange(const fs::path& 
         default:
             return invalid(file, "content_exchange.choice: \"typed\" or \"independent\"");
     }
-    const auto asset = read_content_exchange_asset(*asset_folder);
+    const auto asset = read_exchange_asset(*asset_folder);
     if (!asset) return asset.error();
-    if (const std::size_t bytes = content_exchange_bytes(*asset, options); bytes > max_content_exchange_bytes)
+    if (const std::size_t bytes = exchange_bytes(*asset, options); bytes > max_exchange_bytes)
         return invalid(file, "content_exchange.asset: \"" + message.asset() + "\" would take about " +
                                  std::to_string(bytes >> 20) + " MiB, more than " +
-                                 std::to_string(max_content_exchange_bytes >> 20) +
+                                 std::to_string(max_exchange_bytes >> 20) +
                                  "; prepare it with a smaller tile, or fewer patches or contents");
-    return make_content_exchange_texture(*asset, options);
+    return std::shared_ptr<const Texture>{make_exchange_texture(*asset, options)};
 }
 
 Result<std::shared_ptr<const Texture>> compile(const fs::path& folder, const fs::path& file,

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "server/texture/content_exchange.h"
+#include "server/texture/rgb8_image.h"
 
 namespace tessera {
 

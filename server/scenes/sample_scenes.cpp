@@ -32,7 +32,7 @@ std::int32_t tile_side_for(const Rgb8Image& exemplar) {
 }
 
 /// `where` names the exemplar in messages.
-Result<ContentExchangeAsset> prepare(const Rgb8Image& exemplar, const std::string& where,
+Result<ExchangeAsset> prepare(const Rgb8Image& exemplar, const std::string& where,
                                      Progress& progress) {
     PrepareOptions options;
     options.tile_side = tile_side_for(exemplar);
@@ -41,7 +41,7 @@ Result<ContentExchangeAsset> prepare(const Rgb8Image& exemplar, const std::strin
     return asset;
 }
 
-Result<Made> write_content_exchange_scene(const ContentExchangeAsset& asset, proto::Scene scene,
+Result<Made> write_content_exchange_scene(const ExchangeAsset& asset, proto::Scene scene,
                                           const fs::path& folder, Progress& progress) {
     progress.advance("writing", 0);
     const std::uint64_t seed = PrepareOptions{}.seed;

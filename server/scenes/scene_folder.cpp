@@ -40,10 +40,10 @@ Result<fs::path> make_unfinished_folder(const fs::path& target) {
     return made;
 }
 
-Result<void> fill(const fs::path& folder, const proto::Scene& scene, const ContentExchangeAsset* asset,
+Result<void> fill(const fs::path& folder, const proto::Scene& scene, const ExchangeAsset* asset,
                   std::uint64_t seed) {
     if (asset != nullptr)
-        if (auto written = write_content_exchange_asset(folder / asset_folder_name, *asset, seed); !written)
+        if (auto written = write_exchange_asset(folder / asset_folder_name, *asset, seed); !written)
             return written;
     // Last, since a folder without it is no scene
     const std::string text = write_brief_json(scene);
@@ -76,7 +76,7 @@ std::string numbered_id(const std::string& id, int number) {
 }
 
 Result<void> write_scene_folder(const fs::path& folder, const proto::Scene& scene,
-                                const ContentExchangeAsset* asset, std::uint64_t seed) {
+                                const ExchangeAsset* asset, std::uint64_t seed) {
     std::error_code failure;
     if (fs::exists(folder, failure) && !fs::is_empty(folder, failure) &&
         !fs::exists(folder / "scene.json", failure))
@@ -100,7 +100,7 @@ bool holds_valid_scene(const fs::path& folder) {
 bool was_made_of(const fs::path& folder, const Rgb8Image& photo) {
     std::error_code failure;
     if (!fs::exists(folder / "scene.json", failure)) return false;
-    const auto asset = read_content_exchange_asset(folder / asset_folder_name);
+    const auto asset = read_exchange_asset(folder / asset_folder_name);
     return asset && asset->exemplar.width == photo.width && asset->exemplar.height == photo.height &&
            asset->exemplar.bytes == photo.bytes;
 }

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "server/texture/content_exchange.h"
+#include "server/texture/exchange.h"
 #include "shared/result/result.h"
 
 namespace tessera::proto {
@@ -27,7 +27,7 @@ inline constexpr const char* asset_folder_name = "asset";
 /// not at all: a neighbour that is moved into place. What was there is replaced, if it was a scene. Errors:
 /// io_failure, invalid_input (a folder that is there and no scene).
 Result<void> write_scene_folder(const std::filesystem::path& folder, const proto::Scene& scene,
-                                const ContentExchangeAsset* asset, std::uint64_t seed);
+                                const ExchangeAsset* asset, std::uint64_t seed);
 
 /// Whether `folder` holds a scene that loads.
 bool holds_valid_scene(const std::filesystem::path& folder);

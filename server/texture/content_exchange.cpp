@@ -1,4 +1,4 @@
-#include "server/texture/content_exchange.h"
+#include "server/texture/exchange.h"
 
 #include <iomanip>
 #include <sstream>
@@ -16,14 +16,14 @@ ColorSteps mean_of(const Rgb8Image& tile) {
     return mean;
 }
 
-std::int32_t blend_radius(const ContentExchangeAsset& asset, const ContentExchangeOptions& options) {
+std::int32_t blend_radius(const ExchangeAsset& asset, const ExchangeOptions& options) {
     return options.blended ? asset.blend_texels / 2 : 0;
 }
 
 }  // namespace
 
-ContentExchangeTexture::ContentExchangeTexture(const ContentExchangeAsset& asset,
-                                               const ContentExchangeOptions& options)
+ContentExchangeTexture::ContentExchangeTexture(const ExchangeAsset& asset,
+                                               const ExchangeOptions& options)
     : map_{asset, blend_radius(asset, options)},
       texels_{asset, map_.radius()},
       mean_{mean_of(asset.tile)},
@@ -35,8 +35,8 @@ ContentExchangeTexture::ContentExchangeTexture(const ContentExchangeAsset& asset
         independent_.emplace(options.seed, map_, texels_, stamps_);
         return;
     }
-    tree_.emplace(options.seed, options.types);
-    variants_.emplace(options.seed, options.types, texels_);
+    tree_.emplace(options.seed, options.types == 0 ? 4096 : options.types);
+    variants_.emplace(options.seed, options.types == 0 ? 4096 : options.types, texels_);
     for (int level = 0; level <= tile_level_; ++level)
         if (map_.levels()[std::size_t(level)].side <= variant_image_side)
             images_.push_back(VariantImages{level, map_, stamps_, *variants_});
@@ -84,7 +84,7 @@ std::string ContentExchangeTexture::description() const {
     return text.str();
 }
 
-std::size_t content_exchange_bytes(const ContentExchangeAsset& asset, const ContentExchangeOptions& options) {
+std::size_t exchange_bytes(const ExchangeAsset& asset, const ExchangeOptions& options) {
     const auto area = [](std::int32_t width, std::int32_t height) {
         return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     };
@@ -102,14 +102,14 @@ std::size_t content_exchange_bytes(const ContentExchangeAsset& asset, const Cont
     bytes += 12 * (area(asset.exemplar.width, asset.exemplar.height) +
                    area(asset.tile_side + reach, asset.tile_side + reach));
     if (options.choice == Choice::typed)
-        bytes += options.types * (asset.patches.size() + 8000);
+        bytes += (options.types == 0 ? 4096 : options.types) * (asset.patches.size() + 8000);
     else
-        bytes += std::size_t{100} * asset.patches.size() * (ContentExchangeAsset::max_contents + 1);
+        bytes += std::size_t{100} * asset.patches.size() * (ExchangeAsset::max_contents + 1);
     return bytes;
 }
 
-std::shared_ptr<const Texture> make_content_exchange_texture(const ContentExchangeAsset& asset,
-                                                             const ContentExchangeOptions& options) {
+std::shared_ptr<const ExchangeTexture> make_exchange_texture(const ExchangeAsset& asset,
+                                                             const ExchangeOptions& options) {
     return std::make_shared<ContentExchangeTexture>(asset, options);
 }
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "server/texture/content_exchange.h"
+#include "server/texture/exchange.h"
 #include "server/texture/independent_choice.h"
 #include "server/texture/kernels.h"
 #include "server/texture/level_0.h"
@@ -54,9 +54,9 @@ class TileContents {
 };
 
 /// Content exchange, compiled: content_exchange.cpp builds it, content_exchange_pages.cpp evaluates it.
-class ContentExchangeTexture final : public Texture {
+class ContentExchangeTexture final : public ExchangeTexture {
   public:
-    ContentExchangeTexture(const ContentExchangeAsset& asset, const ContentExchangeOptions& options);
+    ContentExchangeTexture(const ExchangeAsset& asset, const ExchangeOptions& options);
 
     Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
                                 LinearImage& out) const override {
@@ -70,6 +70,12 @@ class ContentExchangeTexture final : public Texture {
         return evaluate_blocks(region, budget, {.codes = &out});
     }
 
+    Result<std::vector<std::uint32_t>> sources(const TexelRegion&) const override {
+        return Error{ErrorCode::io_failure, "in transition"};
+    }
+    std::shared_ptr<const Texture> with_texels(const Rgb16Image&, const Rgb16Image&) const override {
+        return nullptr;
+    }
     std::string_view kind() const noexcept override { return "content_exchange"; }
     std::string description() const override;
     std::size_t memory_bytes() const noexcept override;

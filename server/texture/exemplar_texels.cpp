@@ -8,7 +8,7 @@ namespace tessera {
 namespace {
 
 /// The tile, repeated as far as a patch reaches over its border.
-Rgb8Image repeated_tile(const ContentExchangeAsset& asset, std::int32_t radius) {
+Rgb8Image repeated_tile(const ExchangeAsset& asset, std::int32_t radius) {
     std::int32_t reach = 0;
     for (const auto& patch : asset.patches) reach = std::max({reach, patch.width, patch.height});
     const std::int32_t side = asset.tile_side;
@@ -40,14 +40,14 @@ TexelSource::TexelSource(const Rgb8Image& image) : width{image.width}, height{im
     }
 }
 
-ExemplarTexels::ExemplarTexels(const ContentExchangeAsset& asset, std::int32_t radius)
+ExemplarTexels::ExemplarTexels(const ExchangeAsset& asset, std::int32_t radius)
     : tile_{repeated_tile(asset, radius)}, exemplar_{asset.exemplar} {
     const std::int32_t side = asset.tile_side;
     for (const auto& patch : asset.patches) {
         first_content_.push_back(static_cast<std::uint32_t>(contents_.size()));
         const std::int32_t x = (patch.x - radius) & (side - 1), y = (patch.y - radius) & (side - 1);
         contents_.push_back({&tile_, std::size_t(y) * std::size_t(tile_.width) + std::size_t(x)});
-        for (const auto& offset : patch.contents)
+        for (const auto& [offset, shape, standing, corners] : patch.contents)
             contents_.push_back({&exemplar_, std::size_t(offset.y - radius) * std::size_t(exemplar_.width) +
                                                  std::size_t(offset.x - radius)});
     }

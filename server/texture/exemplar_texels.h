@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/texture/content_exchange.h"
+#include "server/texture/exchange.h"
 
 namespace tessera {
 
@@ -26,7 +26,7 @@ struct TexelSource {
 class ExemplarTexels {
   public:
     /// `radius` as in PatchMap: contents begin at the patch's grown origin.
-    ExemplarTexels(const ContentExchangeAsset& asset, std::int32_t radius);
+    ExemplarTexels(const ExchangeAsset& asset, std::int32_t radius);
 
     ExemplarTexels(const ExemplarTexels&) = delete;
     ExemplarTexels& operator=(const ExemplarTexels&) = delete;

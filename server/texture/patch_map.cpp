@@ -5,13 +5,13 @@
 
 namespace tessera {
 
-PatchMap::PatchMap(const ContentExchangeAsset& asset, std::int32_t radius)
+PatchMap::PatchMap(const ExchangeAsset& asset, std::int32_t radius)
     : side_{asset.tile_side}, radius_{radius} {
     make_weights(asset);
     make_levels();
 }
 
-void PatchMap::make_weights(const ContentExchangeAsset& asset) {
+void PatchMap::make_weights(const ExchangeAsset& asset) {
     const std::int32_t side = side_, r = radius_;
     const std::uint32_t window = std::uint32_t(2 * r + 1) * std::uint32_t(2 * r + 1);
     const auto wrapped = [&](std::int32_t a) { return a & (side - 1); };

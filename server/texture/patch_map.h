@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "server/texture/content_exchange.h"
+#include "server/texture/exchange.h"
 
 namespace tessera {
 
@@ -46,7 +46,7 @@ class PatchMap {
 
     /// `radius`: half the blending width in texels. A texel's weight for a patch is the share of the patch in
     /// the (2·radius + 1)² texels around it, so the weights of all patches sum to one everywhere.
-    PatchMap(const ContentExchangeAsset& asset, std::int32_t radius);
+    PatchMap(const ExchangeAsset& asset, std::int32_t radius);
 
     std::int32_t side() const noexcept { return side_; }
     std::int32_t radius() const noexcept { return radius_; }
@@ -56,7 +56,7 @@ class PatchMap {
     std::size_t memory_bytes() const noexcept;
 
   private:
-    void make_weights(const ContentExchangeAsset& asset);
+    void make_weights(const ExchangeAsset& asset);
     void make_levels();
 
     std::int32_t side_;

@@ -29,9 +29,9 @@ std::int32_t around(std::int32_t a, std::int32_t b, std::int32_t side) {
 
 }  // namespace
 
-ContentExchangeAsset make_synthetic_asset(const SyntheticAssetOptions& options) {
+ExchangeAsset make_synthetic_asset(const SyntheticAssetOptions& options) {
     const std::int32_t side = options.tile_side;
-    ContentExchangeAsset asset;
+    ExchangeAsset asset;
     asset.tile_side = side;
     asset.blend_texels = options.blend_texels;
     asset.tile = noise(side, options.seed + 1, options.constant_code);
@@ -84,7 +84,7 @@ ContentExchangeAsset make_synthetic_asset(const SyntheticAssetOptions& options) 
                        hash(options.seed, stream("place", axis), static_cast<std::int64_t>(p), i), room));
         };
         for (std::int32_t i = 1; i < options.contents; ++i)
-            patch.contents.push_back({place(patch.width, 0, i), place(patch.height, 1, i)});
+            patch.contents.push_back({{place(patch.width, 0, i), place(patch.height, 1, i)}, {}});
     }
     return asset;
 }

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "server/texture/content_exchange.h"
+#include "server/texture/exchange.h"
 
 namespace tessera::tests {
 
@@ -17,6 +17,6 @@ struct SyntheticAssetOptions {
 
 /// An asset of noise: Voronoi patches around jittered seeds on the torus, several of which wrap, and contents
 /// at random places. Strong contrast, so that a wrong texel is far off.
-ContentExchangeAsset make_synthetic_asset(const SyntheticAssetOptions& options);
+ExchangeAsset make_synthetic_asset(const SyntheticAssetOptions& options);
 
 }  // namespace tessera::tests

@@ -9,7 +9,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "server/texture/content_exchange.h"
+#include "server/texture/exchange.h"
 #include "server/texture/kernels.h"
 #include "shared/math/hash.h"
 #include "tests/support/synthetic_asset.h"
@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t page_bytes = 256 * 256 * 4;
 
 const Texture& texture() {
-    static const auto made = make_content_exchange_texture(
+    static const auto made = make_exchange_texture(
         tests::make_synthetic_asset({.tile_side = 512, .patches = 64, .contents = 25, .blend_texels = 8}),
         {.seed = 1});
     return *made;

@@ -11,7 +11,7 @@
 #include "server/prepare/prepare.h"
 #include "server/scene/image_file.h"
 #include "server/scenes/paint_pebbles.h"
-#include "server/texture/content_exchange.h"
+#include "server/texture/exchange.h"
 #include "shared/math/srgb.h"
 
 namespace tessera {
@@ -38,7 +38,7 @@ std::vector<Exemplar> exemplars() {
     return all;
 }
 
-ContentExchangeAsset prepared(const Rgb8Image& photo) {
+ExchangeAsset prepared(const Rgb8Image& photo) {
     SilentProgress progress;
     auto asset = prepare_content_exchange(
         photo, {.tile_side = 128, .patches = 24, .contents = 6, .blend_texels = 8, .seed = 3}, progress);
@@ -54,7 +54,7 @@ LinearImage linear(const Texture& texture, const TexelRegion& region) {
 
 TEST(SampleScenes, APageIsTheReductionOfItsFourChildrenAtEveryLevel) {
     for (const Exemplar& exemplar : exemplars()) {
-        const auto texture = make_content_exchange_texture(prepared(exemplar.image), {.seed = 8});
+        const auto texture = make_exchange_texture(prepared(exemplar.image), {.seed = 8});
         for (std::uint8_t level = 1; level <= 20; ++level) {
             SCOPED_TRACE(exemplar.name + " level " + std::to_string(level));
             const PageKey page{level, 0, 0};
@@ -94,7 +94,7 @@ TEST(SampleScenes, APageIsTheReductionOfItsFourChildrenAtEveryLevel) {
 TEST(SampleScenes, UnblendedLevel0ShowsOnlyColoursOfTheExemplar) {
     for (const Exemplar& exemplar : exemplars()) {
         const auto texture =
-            make_content_exchange_texture(prepared(exemplar.image), {.seed = 8, .blended = false});
+            make_exchange_texture(prepared(exemplar.image), {.seed = 8, .blended = false});
         std::set<std::tuple<int, int, int>> colours;
         for (std::size_t i = 0; i < exemplar.image.bytes.size(); i += 3)
             colours.emplace(exemplar.image.bytes[i], exemplar.image.bytes[i + 1],
@@ -110,7 +110,7 @@ TEST(SampleScenes, UnblendedLevel0ShowsOnlyColoursOfTheExemplar) {
 TEST(SampleScenes, TheFarViewKeepsTheMeanOfTheNearOne) {
     // The authors' own library darkens by up to 18 codes here
     for (const Exemplar& exemplar : exemplars()) {
-        const auto texture = make_content_exchange_texture(prepared(exemplar.image), {.seed = 8});
+        const auto texture = make_exchange_texture(prepared(exemplar.image), {.seed = 8});
         const LinearImage far = linear(*texture, {11, 0, 0, 1, 1}),
                           near = linear(*texture, {0, 0, 0, 2048, 2048});
         for (std::size_t c = 0; c < 3; ++c) {

@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/texture/content_exchange.h"
+#include "server/texture/exchange.h"
 #include "server/texture/kernels.h"
 #include "server/texture/typed_quadtree.h"
 #include "server/texture/variants.h"
@@ -96,15 +96,15 @@ std::vector<std::pair<std::int64_t, std::int64_t>> places(std::uint8_t level) {
 struct Case {
     std::string name;
     tests::SyntheticAssetOptions asset;
-    ContentExchangeOptions options;
+    ExchangeOptions options;
 };
 
 void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 
 class ContentExchangeLaws : public testing::TestWithParam<Case> {
   protected:
-    const ContentExchangeAsset asset_ = make_synthetic_asset(GetParam().asset);
-    const std::shared_ptr<const Texture> texture_ = make_content_exchange_texture(asset_, GetParam().options);
+    const ExchangeAsset asset_ = make_synthetic_asset(GetParam().asset);
+    const std::shared_ptr<const Texture> texture_ = make_exchange_texture(asset_, GetParam().options);
 };
 
 TEST_P(ContentExchangeLaws, APageIsTheReductionOfItsChildren) {
@@ -149,7 +149,7 @@ TEST_P(ContentExchangeLaws, ManyThreadsGiveTheBytesOfOne) {
 }
 
 TEST_P(ContentExchangeLaws, TakesNoMoreMemoryThanForetold) {
-    const std::size_t foretold = content_exchange_bytes(asset_, GetParam().options);
+    const std::size_t foretold = exchange_bytes(asset_, GetParam().options);
     EXPECT_LE(texture_->memory_bytes(), foretold);
     EXPECT_GT(texture_->memory_bytes(), foretold / 40) << "a bound that refuses what would fit";
 }
@@ -175,7 +175,7 @@ TEST_P(ContentExchangeLaws, AConstantExemplarStaysConstantToTheLastBit) {
     for (const int code : {1, 93, 200, 255}) {
         auto made = GetParam().asset;
         made.constant_code = code;
-        const auto texture = make_content_exchange_texture(make_synthetic_asset(made), GetParam().options);
+        const auto texture = make_exchange_texture(make_synthetic_asset(made), GetParam().options);
         const float expected = linear(*texture, {0, 0, 0, 1, 1}).values[0];
         EXPECT_EQ(expected, from_srgb(static_cast<std::uint8_t>(code)));
         for (std::uint8_t level = 0; level <= 30; ++level)
@@ -192,7 +192,7 @@ TEST_P(ContentExchangeLaws, AConstantExemplarStaysConstantToTheLastBit) {
 }
 
 std::vector<Case> cases() {
-    using O = ContentExchangeOptions;
+    using O = ExchangeOptions;
     return {
         {"typed", {}, O{.seed = 3}},
         {"typed_unblended", {}, O{.seed = 3, .blended = false}},
@@ -210,7 +210,7 @@ INSTANTIATE_TEST_SUITE_P(All, ContentExchangeLaws, testing::ValuesIn(cases()),
 
 /// Lutz et al. 2019, equation (1) with the blending of section 4.5, one texel at a time and from the asset
 /// alone: the readable reference. Level 0.
-std::array<double, 3> reference_texel(const ContentExchangeAsset& asset, const TypedQuadtree& tree,
+std::array<double, 3> reference_texel(const ExchangeAsset& asset, const TypedQuadtree& tree,
                                       const Variants& variants, std::int64_t x, std::int64_t y,
                                       std::int32_t radius) {
     const std::int64_t side = asset.tile_side;
@@ -233,9 +233,9 @@ std::array<double, 3> reference_texel(const ContentExchangeAsset& asset, const T
         const std::uint8_t content = variants.contents(type)[p];
         const Rgb8Image& image = content == 0 ? asset.tile : asset.exemplar;
         const std::int64_t from_x =
-            content == 0 ? floor_mod(x) : patch.contents[content - 1u].x - radius + in_x;
+            content == 0 ? floor_mod(x) : patch.contents[content - 1u].at.x - radius + in_x;
         const std::int64_t from_y =
-            content == 0 ? floor_mod(y) : patch.contents[content - 1u].y - radius + in_y;
+            content == 0 ? floor_mod(y) : patch.contents[content - 1u].at.y - radius + in_y;
         for (std::size_t c = 0; c < 3; ++c)
             sum[c] +=
                 counts[p] / double((2 * radius + 1) * (2 * radius + 1)) *
@@ -246,9 +246,9 @@ std::array<double, 3> reference_texel(const ContentExchangeAsset& asset, const T
 }
 
 TEST(ContentExchange, AgreesWithTheReadableReferenceAtLevel0) {
-    const ContentExchangeAsset asset = make_synthetic_asset({});
-    const ContentExchangeOptions options{.seed = 77};
-    const auto texture = make_content_exchange_texture(asset, options);
+    const ExchangeAsset asset = make_synthetic_asset({});
+    const ExchangeOptions options{.seed = 77};
+    const auto texture = make_exchange_texture(asset, options);
     const TypedQuadtree tree{options.seed, options.types};
     const std::int32_t radius = asset.blend_texels / 2;
     const Variants variants{options.seed, options.types, ExemplarTexels{asset, radius}};
@@ -264,8 +264,8 @@ TEST(ContentExchange, AgreesWithTheReadableReferenceAtLevel0) {
 }
 
 TEST(ContentExchange, ShowsOnlyColoursOfTheExemplarWhereItDoesNotBlend) {
-    const ContentExchangeAsset asset = make_synthetic_asset({});
-    const auto texture = make_content_exchange_texture(asset, {.blended = false});
+    const ExchangeAsset asset = make_synthetic_asset({});
+    const auto texture = make_exchange_texture(asset, {.blended = false});
     std::set<std::tuple<int, int, int>> colours;
     for (const Rgb8Image* image : {&asset.exemplar, &asset.tile})
         for (std::size_t i = 0; i < image->bytes.size(); i += 3)
@@ -297,7 +297,7 @@ TEST(ContentExchange, NeverRepeatsItsChoiceOfContentsWithAPeriod) {
 }
 
 TEST(ContentExchange, UsesEveryContentEquallyOften) {
-    const ContentExchangeAsset asset = make_synthetic_asset({.contents = 6});
+    const ExchangeAsset asset = make_synthetic_asset({.contents = 6});
     const Variants variants{5, 4096, ExemplarTexels{asset, 2}};
     for (std::size_t p = 0; p < asset.patches.size(); ++p) {
         std::vector<int> counts(6);
@@ -311,7 +311,7 @@ TEST(ContentExchange, UsesEveryContentEquallyOften) {
 
 TEST(ContentExchange, PatchesOfATileChooseIndependently) {
     // The flaw of the authors' own library: one draw for all patches of a tile
-    const ContentExchangeAsset asset = make_synthetic_asset({.contents = 6});
+    const ExchangeAsset asset = make_synthetic_asset({.contents = 6});
     const Variants variants{5, 4096, ExemplarTexels{asset, 2}};
     int equal = 0;
     for (std::uint32_t type = 0; type < 4096; ++type)
@@ -321,8 +321,8 @@ TEST(ContentExchange, PatchesOfATileChooseIndependently) {
 }
 
 TEST(ContentExchange, ATexelFarUpIsWithinTheBoundOfTheExpectation) {
-    const ContentExchangeAsset asset = make_synthetic_asset({});
-    const auto texture = make_content_exchange_texture(asset, {.seed = 4, .choice = Choice::independent});
+    const ExchangeAsset asset = make_synthetic_asset({});
+    const auto texture = make_exchange_texture(asset, {.seed = 4, .choice = Choice::independent});
     LinearImage expected, enumerated;
     for (const std::uint8_t level : std::initializer_list<std::uint8_t>{7, 8, 9}) {  // 2, 4, 8 tiles a side
         const TexelRegion region{level, -20, 8, 32, 32};
@@ -344,7 +344,7 @@ TEST(ContentExchange, ATexelFarUpIsWithinTheBoundOfTheExpectation) {
 TEST(ContentExchange, WithIndependentChoicesAPageIsTheReductionOfItsChildrenWithinTheStatedBounds) {
     // Also where the children are enumerated and the page is expected, and where both are expected
     const auto texture =
-        make_content_exchange_texture(make_synthetic_asset({}), {.seed = 4, .choice = Choice::independent});
+        make_exchange_texture(make_synthetic_asset({}), {.seed = 4, .choice = Choice::independent});
     std::set<std::string> methods;
     for (const Accuracy accuracy : accuracies)
         for (std::uint8_t level = 1; level <= 16; ++level) {
@@ -371,7 +371,7 @@ TEST(ContentExchange, WithIndependentChoicesAPageIsTheReductionOfItsChildrenWith
 
 TEST(ContentExchange, NoPageOfIndependentChoicesIsBeyondReach) {
     // Enumeration costs tiles × patches: where that is too much, the expectation answers, whatever was asked
-    const auto texture = make_content_exchange_texture(
+    const auto texture = make_exchange_texture(
         make_synthetic_asset({.tile_side = 64, .patches = 1024, .contents = 2, .blend_texels = 2}),
         {.choice = Choice::independent});
     for (std::uint8_t level = 6; level <= 30; ++level)
@@ -385,7 +385,7 @@ TEST(ContentExchange, NoPageOfIndependentChoicesIsBeyondReach) {
 }
 
 TEST(ContentExchange, StopsWhenNobodyWaitsOrTimeIsUp) {
-    const auto texture = make_content_exchange_texture(make_synthetic_asset({}), {});
+    const auto texture = make_exchange_texture(make_synthetic_asset({}), {});
     std::stop_source source;
     source.request_stop();
     LinearImage image;
@@ -400,11 +400,11 @@ TEST(ContentExchange, StopsWhenNobodyWaitsOrTimeIsUp) {
 TEST(ContentExchangeGolden, EveryInstructionSetGivesTheSameBytes) {
     // FNV-1a over one page of each way to evaluate. Raise evaluator_version (server/scene/scene.cpp) when
     // these change.
-    const ContentExchangeAsset asset =
+    const ExchangeAsset asset =
         make_synthetic_asset({.tile_side = 128, .patches = 30, .contents = 7, .blend_texels = 8});
-    const auto typed = make_content_exchange_texture(asset, {.seed = 2026});
+    const auto typed = make_exchange_texture(asset, {.seed = 2026});
     const auto independent =
-        make_content_exchange_texture(asset, {.seed = 2026, .choice = Choice::independent});
+        make_exchange_texture(asset, {.seed = 2026, .choice = Choice::independent});
     const auto hash_of = [&](const Texture& texture, std::uint8_t level, std::int32_t side) {
         const Rgba8Image page = codes(texture, {level, -300, 77, side, side});
         std::uint64_t h = 0xcbf29ce484222325u;

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "server/texture/content_exchange.h"
+#include "server/texture/rgb8_image.h"
 #include "shared/math/hash.h"
 
 namespace tessera::test {

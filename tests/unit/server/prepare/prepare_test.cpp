@@ -35,28 +35,28 @@ class RecordingProgress final : public Progress {
     std::stop_source source_;
 };
 
-void expect_equal(const ContentExchangeAsset& a, const ContentExchangeAsset& b) {
+void expect_equal(const ExchangeAsset& a, const ExchangeAsset& b) {
     EXPECT_EQ(a.tile.bytes, b.tile.bytes);
     EXPECT_EQ(a.labels, b.labels);
     ASSERT_EQ(a.patches.size(), b.patches.size());
     for (std::size_t p = 0; p < a.patches.size(); ++p) {
         ASSERT_EQ(a.patches[p].contents.size(), b.patches[p].contents.size());
         for (std::size_t c = 0; c < a.patches[p].contents.size(); ++c) {
-            EXPECT_EQ(a.patches[p].contents[c].x, b.patches[p].contents[c].x);
-            EXPECT_EQ(a.patches[p].contents[c].y, b.patches[p].contents[c].y);
+            EXPECT_EQ(a.patches[p].contents[c].at.x, b.patches[p].contents[c].at.x);
+            EXPECT_EQ(a.patches[p].contents[c].at.y, b.patches[p].contents[c].at.y);
         }
     }
 }
 
-std::uint64_t fingerprint(const ContentExchangeAsset& asset) {
+std::uint64_t fingerprint(const ExchangeAsset& asset) {
     std::uint64_t print = 0;
     const auto add = [&](std::int64_t value) { print = mix(print * 31 + static_cast<std::uint64_t>(value)); };
     for (const std::uint8_t byte : asset.tile.bytes) add(byte);
     for (const std::uint16_t label : asset.labels) add(label);
     for (const auto& patch : asset.patches)
         for (const auto& content : patch.contents) {
-            add(content.x);
-            add(content.y);
+            add(content.at.x);
+            add(content.at.y);
         }
     return print;
 }
@@ -177,10 +177,10 @@ TEST(Prepare, real_photographs_or_the_made_one_give_full_assets) {
         for (const auto& patch : asset->patches) {
             ASSERT_EQ(patch.contents.size(), 10u);
             for (const auto& content : patch.contents) {
-                EXPECT_GE(content.x, 4);
-                EXPECT_GE(content.y, 4);
-                EXPECT_LE(content.x + patch.width + 4, photo.width);
-                EXPECT_LE(content.y + patch.height + 4, photo.height);
+                EXPECT_GE(content.at.x, 4);
+                EXPECT_GE(content.at.y, 4);
+                EXPECT_LE(content.at.x + patch.width + 4, photo.width);
+                EXPECT_LE(content.at.y + patch.height + 4, photo.height);
             }
         }
     }

@@ -20,8 +20,8 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 
 /// A tile of 16 in sixteen patches of 4×4, the first of which starts at (14, 14) and wraps.
-ContentExchangeAsset small_asset() {
-    ContentExchangeAsset asset;
+ExchangeAsset small_asset() {
+    ExchangeAsset asset;
     asset.exemplar = {30, 24, {}};
     for (int i = 0; i < 3 * 30 * 24; ++i)
         asset.exemplar.bytes.push_back(static_cast<std::uint8_t>(hash(1, 1, i, 0)));
@@ -38,7 +38,7 @@ ContentExchangeAsset small_asset() {
     for (int p = 0; p < 16; ++p)
         asset.patches.push_back(
             {(p % 4 * 4 + 14) % 16, (p / 4 * 4 + 14) % 16, 4, 4, {{2, 2}, {24, 18}, {p, 9}}});
-    for (auto& patch : asset.patches) patch.contents[2].x = std::max(2, patch.contents[2].x);
+    for (auto& patch : asset.patches) patch.contents[2].at.x = std::max(2, patch.contents[2].at.x);
     return asset;
 }
 
@@ -53,10 +53,10 @@ class AssetFile : public testing::Test {
     fs::path asset = folder.path / "asset";
     fs::path json = asset / "asset.json";
 
-    void SetUp() override { ASSERT_TRUE(write_content_exchange_asset(asset, small_asset(), 5)); }
+    void SetUp() override { ASSERT_TRUE(write_exchange_asset(asset, small_asset(), 5)); }
 
-    void change(const std::function<void(proto::ContentExchangeAsset&)>& edit) {
-        proto::ContentExchangeAsset message;
+    void change(const std::function<void(proto::ExchangeAsset&)>& edit) {
+        proto::ExchangeAsset message;
         ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(text_of(json), &message).ok());
         edit(message);
         std::string text;
@@ -65,7 +65,7 @@ class AssetFile : public testing::Test {
     }
 
     void expect_refused(const fs::path& file, const std::string& says) {
-        const auto read = read_content_exchange_asset(asset);
+        const auto read = read_exchange_asset(asset);
         ASSERT_FALSE(read) << says;
         EXPECT_THAT(read.error().detail, HasSubstr(file.string() + ": "));
         EXPECT_THAT(read.error().detail, HasSubstr(says));
@@ -73,8 +73,8 @@ class AssetFile : public testing::Test {
 };
 
 TEST_F(AssetFile, comes_back_as_it_was_written) {
-    const ContentExchangeAsset made = small_asset();
-    const auto read = read_content_exchange_asset(asset);
+    const ExchangeAsset made = small_asset();
+    const auto read = read_exchange_asset(asset);
     ASSERT_TRUE(read) << read.error().detail;
     EXPECT_EQ(read->exemplar.bytes, made.exemplar.bytes);
     EXPECT_EQ(read->exemplar.width, 30);
@@ -90,21 +90,21 @@ TEST_F(AssetFile, comes_back_as_it_was_written) {
         EXPECT_EQ(read->patches[p].height, made.patches[p].height);
         ASSERT_EQ(read->patches[p].contents.size(), 3u);
         for (std::size_t c = 0; c < 3; ++c) {
-            EXPECT_EQ(read->patches[p].contents[c].x, made.patches[p].contents[c].x);
-            EXPECT_EQ(read->patches[p].contents[c].y, made.patches[p].contents[c].y);
+            EXPECT_EQ(read->patches[p].contents[c].at.x, made.patches[p].contents[c].at.x);
+            EXPECT_EQ(read->patches[p].contents[c].at.y, made.patches[p].contents[c].at.y);
         }
     }
 }
 
 TEST_F(AssetFile, the_same_asset_is_the_same_bytes_in_every_file) {
-    ASSERT_TRUE(write_content_exchange_asset(folder.path / "again", small_asset(), 5));
+    ASSERT_TRUE(write_exchange_asset(folder.path / "again", small_asset(), 5));
     for (const char* name : {"asset.json", "exemplar.png", "tile.png", "patches.png"})
         EXPECT_EQ(text_of(asset / name), text_of(folder.path / "again" / name)) << name;
 }
 
 TEST_F(AssetFile, fields_that_do_not_fit_are_named) {
     struct Row {
-        std::function<void(proto::ContentExchangeAsset&)> edit;
+        std::function<void(proto::ExchangeAsset&)> edit;
         const char* says;
     };
     const std::vector<Row> rows{
@@ -136,7 +136,7 @@ TEST_F(AssetFile, fields_that_do_not_fit_are_named) {
          "patches_info[16]: no texel of patches.png has this label"},
     };
     for (const Row& row : rows) {
-        ASSERT_TRUE(write_content_exchange_asset(asset, small_asset(), 5));
+        ASSERT_TRUE(write_exchange_asset(asset, small_asset(), 5));
         change(row.edit);
         expect_refused(json, row.says);
     }
@@ -166,10 +166,10 @@ TEST_F(AssetFile, images_of_the_wrong_size_are_named) {
     Rgb8Image tile{16, 8, std::vector<std::uint8_t>(3 * 16 * 8)};
     ASSERT_TRUE(write_rgb_png(asset / "tile.png", tile));
     expect_refused(asset / "tile.png", "is 16×8, but tile_side in asset.json is 16");
-    ASSERT_TRUE(write_content_exchange_asset(asset, small_asset(), 5));
+    ASSERT_TRUE(write_exchange_asset(asset, small_asset(), 5));
     ASSERT_TRUE(write_label_png(asset / "patches.png", {8, 16, std::vector<std::uint16_t>(8 * 16)}));
     expect_refused(asset / "patches.png", "is 8×16, but tile_side in asset.json is 16");
-    ASSERT_TRUE(write_content_exchange_asset(asset, small_asset(), 5));
+    ASSERT_TRUE(write_exchange_asset(asset, small_asset(), 5));
     ASSERT_TRUE(write_rgb_png(asset / "exemplar.png", tile));
     expect_refused(json, "contents[1].x: is 24; from 2 to 10");
 }
@@ -186,10 +186,10 @@ TEST_F(AssetFile, a_link_out_of_the_folder_is_refused) {
 }
 
 TEST_F(AssetFile, writing_replaces_an_asset_whole_and_leaves_nothing_beside_it) {
-    ContentExchangeAsset other = small_asset();
+    ExchangeAsset other = small_asset();
     other.tile.bytes[0] ^= 1;
-    ASSERT_TRUE(write_content_exchange_asset(asset.string() + "/", other, 6));
-    const auto read = read_content_exchange_asset(asset);
+    ASSERT_TRUE(write_exchange_asset(asset.string() + "/", other, 6));
+    const auto read = read_exchange_asset(asset);
     ASSERT_TRUE(read) << read.error().detail;
     EXPECT_EQ(read->tile.bytes, other.tile.bytes);
     EXPECT_EQ(std::distance(fs::directory_iterator{folder.path}, {}), 1);
@@ -197,7 +197,7 @@ TEST_F(AssetFile, writing_replaces_an_asset_whole_and_leaves_nothing_beside_it) 
 
 TEST_F(AssetFile, writing_replaces_nothing_but_an_asset) {
     const auto expect_kept = [&](const fs::path& target, const char* says) {
-        const auto written = write_content_exchange_asset(target, small_asset(), 1);
+        const auto written = write_exchange_asset(target, small_asset(), 1);
         ASSERT_FALSE(written) << target;
         EXPECT_THAT(written.error().detail, HasSubstr(says));
     };

@@ -51,7 +51,7 @@ TEST_F(SceneFolders, TheFingerprintCoversSceneFileAndAssetsAndNothingElse) {
     for (const std::uint64_t seed : {1u, 1u, 2u}) {
         const fs::path folder = scene("scene" + std::to_string(prints.size()), json);
         ASSERT_TRUE(
-            write_content_exchange_asset(folder / "asset", tests::make_synthetic_asset({.seed = seed}), 1));
+            write_exchange_asset(folder / "asset", tests::make_synthetic_asset({.seed = seed}), 1));
         const auto loaded = load_scene(folder);
         ASSERT_TRUE(loaded.has_value()) << loaded.error().detail;
         prints.push_back((*loaded)->fingerprint);
@@ -117,14 +117,14 @@ TEST_F(SceneFolders, ASceneIsCalledAsItsEntryAlsoThroughALink) {
 
 TEST_F(SceneFolders, AnAssetTooLargeForMemoryIsRefusedUnbuilt) {
     // Small on disk: a tile of 1024 in 256 patches whose boxes are half the tile, with 255 contents each
-    ContentExchangeAsset asset =
+    ExchangeAsset asset =
         tests::make_synthetic_asset({.tile_side = 1024, .patches = 256, .contents = 2});
     for (auto& patch : asset.patches) {
         patch.width = patch.height = 512;
-        patch.contents.assign(255, {4, 4});
+        patch.contents.assign(255, {{4, 4}, {}});
     }
     const fs::path folder = scene("huge", R"({"content_exchange": {"asset": "asset"}})");
-    ASSERT_TRUE(write_content_exchange_asset(folder / "asset", asset, 1));
+    ASSERT_TRUE(write_exchange_asset(folder / "asset", asset, 1));
     const auto loaded = load_scene(folder);
     ASSERT_FALSE(loaded.has_value());
     EXPECT_THAT(loaded.error().detail, HasSubstr("content_exchange.asset"));

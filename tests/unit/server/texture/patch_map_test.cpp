@@ -9,7 +9,7 @@ namespace {
 
 class PatchMapTest : public testing::TestWithParam<std::int32_t> {
   protected:
-    const ContentExchangeAsset asset_ =
+    const ExchangeAsset asset_ =
         tests::make_synthetic_asset({.tile_side = 64, .patches = 12, .blend_texels = 2 * GetParam()});
     const PatchMap map_{asset_, GetParam()};
 
