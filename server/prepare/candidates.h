@@ -20,8 +20,7 @@ struct Candidate {
 };
 
 /// Chebyshev's distance of two places is at least `distance`.
-bool lie_apart(const ExchangeAsset::Offset& a, const ExchangeAsset::Offset& b,
-               std::int32_t distance);
+bool lie_apart(const ExchangeAsset::Offset& a, const ExchangeAsset::Offset& b, std::int32_t distance);
 
 /// The cheapest of the sorted candidates that lie `distance` apart from each other and from `taken`; at most
 /// `count`.

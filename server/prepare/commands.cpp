@@ -26,12 +26,12 @@ Result<ExchangeAsset> prepare_file(const Arguments& arguments, Progress& progres
     if (auto free = check_asset_target(arguments.asset); !free) return free.error();
     const auto photo = read_rgb_image(arguments.photo);
     if (!photo) return photo.error();
-    auto asset = prepare_content_exchange(*photo, arguments.options, progress);
-    if (!asset) return Error{asset.error().code, arguments.photo + ": " + asset.error().detail};
+    auto prepared = prepare_exchange(*photo, arguments.options, nullptr, progress);
+    if (!prepared) return Error{prepared.error().code, arguments.photo + ": " + prepared.error().detail};
     progress.advance("writing", 0);
-    auto written = write_exchange_asset(arguments.asset, *asset, arguments.options.seed);
+    auto written = write_exchange_asset(arguments.asset, prepared->asset, arguments.options.seed);
     if (!written) return written.error();
-    return asset;
+    return std::move(prepared->asset);
 }
 
 int run(const Arguments& arguments) {

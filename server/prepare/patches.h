@@ -10,7 +10,7 @@ namespace tessera {
 
 /// A cover of the torus by patches: connected, each in a bounding box of at most half the tile's side.
 struct Segmentation {
-    std::vector<std::uint16_t> labels;                 ///< side×side
+    std::vector<std::uint16_t> labels;          ///< side×side
     std::vector<ExchangeAsset::Patch> patches;  ///< Boxes; no contents yet.
 };
 

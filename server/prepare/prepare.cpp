@@ -1,149 +1,17 @@
 #include "server/prepare/prepare.h"
 
-#include <algorithm>
-#include <string>
-#include <thread>
-
-#include "server/prepare/contents.h"
-#include "server/prepare/patches.h"
-#include "server/prepare/perceptual.h"
-#include "server/prepare/tile.h"
-
 namespace tessera {
-namespace {
 
-constexpr std::int32_t least_tile_side = 16;
-constexpr std::int32_t least_patches = 16;
-
-Error invalid(std::string what) { return {ErrorCode::invalid_input, std::move(what)}; }
-
-Result<void> check_range(const char* option, std::int64_t value, std::int64_t least, std::int64_t most) {
-    if (value < least || value > most)
-        return invalid(std::string{option} + " is " + std::to_string(value) + "; from " +
-                       std::to_string(least) + " to " + std::to_string(most));
-    return {};
-}
-
-Result<void> check(const PrepareOptions& options) {
-    if (auto good = check_range("--tile", options.tile_side, least_tile_side, 4096); !good) return good;
-    if ((options.tile_side & (options.tile_side - 1)) != 0)
-        return invalid("--tile is " + std::to_string(options.tile_side) +
-                       "; a power of two, such as 256 or 512");
-    if (auto good = check_range("--patches", options.patches, least_patches, 4096); !good) return good;
-    if (auto good = check_range("--contents", options.contents, 1, ExchangeAsset::max_contents); !good)
-        return good;
-    if (auto good = check_range("--blend", options.blend_texels, 0, 64); !good) return good;
-    if (options.blend_texels % 2 != 0)
-        return invalid("--blend is " + std::to_string(options.blend_texels) + "; an even number of texels");
-    // What a server refuses to load is not worth preparing; boxes cover a tile some two and a half times
-    const std::size_t texels = std::size_t(options.tile_side) * std::size_t(options.tile_side) * 5 / 2;
-    if (const std::size_t bytes = texels * (std::size_t(options.contents) * 6 + 18);
-        bytes > max_exchange_bytes)
-        return invalid("--tile " + std::to_string(options.tile_side) + " with --contents " +
-                       std::to_string(options.contents) + " would take about " + std::to_string(bytes >> 20) +
-                       " MiB when served, more than " + std::to_string(max_exchange_bytes >> 20) +
-                       "; ask for a smaller tile or fewer contents");
-    return {};
-}
-
-/// The options that this photograph allows; every change is noted.
-Result<PrepareOptions> fitted(const Rgb8Image& photo, PrepareOptions options, Progress& progress) {
-    // The tile and the overlap that makes it periodic come out of the photograph in one piece
-    const std::int32_t room = std::min(photo.width, photo.height);
-    const std::int32_t asked = options.tile_side;
-    while (options.tile_side >= least_tile_side &&
-           options.tile_side + least_overlap(options.tile_side) > room)
-        options.tile_side /= 2;
-    const std::string size = std::to_string(photo.width) + "×" + std::to_string(photo.height);
-    if (options.tile_side < least_tile_side)
-        return invalid("is " + size + " texels, too small for a tile; " +
-                       std::to_string(least_tile_side + least_overlap(least_tile_side)) +
-                       " a side are the least");
-    if (options.tile_side < asked)
-        progress.note("the photograph of " + size + " is too small for a tile of " + std::to_string(asked) +
-                      " and its overlap: the tile is " + std::to_string(options.tile_side));
-
-    const std::int32_t widest_blend = options.tile_side / 4;
-    if (options.blend_texels > widest_blend) {
-        progress.note("blending over " + std::to_string(options.blend_texels) +
-                      " texels is too wide for a tile of " + std::to_string(options.tile_side) + ": it is " +
-                      std::to_string(widest_blend));
-        options.blend_texels = widest_blend;
+Result<PreparedAsset> prepare_exchange(const Rgb8Image& photo, const PrepareOptions& options,
+                                       const ExchangeAsset* before, Progress& progress) {
+    switch (options.method) {
+        case ExchangeMethod::content_exchange:
+            return prepare_content_exchange(photo, options, before, progress);
+        case ExchangeMethod::interchange:
+        case ExchangeMethod::wang:
+            break;
     }
-    // Patches as large as asked for, so fewer of them on a smaller tile
-    const std::int32_t smaller = asked / options.tile_side;
-    const std::int32_t of_same_size = std::max(least_patches, options.patches / (smaller * smaller));
-    if (of_same_size < options.patches && smaller > 1) {
-        progress.note("on the smaller tile there are about " + std::to_string(of_same_size) +
-                      " patches, not " + std::to_string(options.patches));
-        options.patches = of_same_size;
-    }
-    // A patch three times as wide as its blending shows something of its own; four by four are the fewest
-    const std::int32_t per_side = std::max(4, options.tile_side / std::max(8, 3 * options.blend_texels));
-    if (options.patches > per_side * per_side) {
-        progress.note("a tile of " + std::to_string(options.tile_side) + " has no room for " +
-                      std::to_string(options.patches) + " patches: there are about " +
-                      std::to_string(per_side * per_side));
-        options.patches = per_side * per_side;
-    }
-    if (options.threads == 0) options.threads = std::max(1u, std::thread::hardware_concurrency());
-    return options;
-}
-
-Result<void> take_contents(const std::vector<std::vector<Candidate>>& found, std::int32_t wanted,
-                           ExchangeAsset& asset, Progress& progress) {
-    std::size_t fewest = found.front().size(), short_of = 0;
-    for (std::size_t p = 0; p < found.size(); ++p) {
-        for (const Candidate& content : found[p]) asset.patches[p].contents.push_back({content.at, {}});
-        fewest = std::min(fewest, found[p].size());
-        short_of += found[p].size() < static_cast<std::size_t>(wanted) ? 1 : 0;
-    }
-    if (fewest == 0)
-        return invalid(
-            "is too small to find another content for every patch; use a larger photograph, or --tile " +
-            std::to_string(std::max(least_tile_side, asset.tile_side / 2)) + " or more --patches");
-    if (short_of > 0)
-        progress.note(std::to_string(short_of) + " of " + std::to_string(found.size()) +
-                      " patches have fewer than " + std::to_string(wanted) + " contents (the fewest " +
-                      std::to_string(fewest) + "): the photograph holds no more that are distinct");
-    return {};
-}
-
-}  // namespace
-
-Result<ExchangeAsset> prepare_content_exchange(const Rgb8Image& photo, const PrepareOptions& asked,
-                                                      Progress& progress) {
-    if (auto good = check(asked); !good) return good.error();
-    const auto options = fitted(photo, asked, progress);
-    if (!options) return options.error();
-    const Error stopped{ErrorCode::cancelled, "stopped before the asset was complete"};
-    const PerceptualImage colors = to_perceptual(photo);
-
-    // Cut a tile that repeats without a visible edge
-    const PeriodicTile tile = make_tile(colors, options->tile_side, options->threads, progress);
-    if (progress.stop().stop_requested()) return stopped;
-    ExchangeAsset asset;
-    asset.tile = cut_out(photo, tile);
-    asset.tile_side = tile.side;
-    asset.blend_texels = options->blend_texels;
-
-    // Divide it into patches
-    progress.advance("patches", 0);
-    const PerceptualImage tile_colors = to_perceptual(asset.tile);
-    Segmentation segmentation = make_patches(tile_colors, options->patches, options->seed);
-    progress.advance("patches", 1);
-    if (progress.stop().stop_requested()) return stopped;
-
-    // Find what else of the photograph each patch may show
-    const std::vector<std::vector<Candidate>> found =
-        find_contents(colors, tile_colors, tile, segmentation,
-                      {options->contents, options->blend_texels, options->threads}, progress);
-    if (progress.stop().stop_requested()) return stopped;
-    asset.labels = std::move(segmentation.labels);
-    asset.patches = std::move(segmentation.patches);
-    if (auto taken = take_contents(found, options->contents, asset, progress); !taken) return taken.error();
-    asset.exemplar = photo;
-    return asset;
+    return Error{ErrorCode::invalid_input, "--method: only content_exchange can be prepared"};
 }
 
 }  // namespace tessera

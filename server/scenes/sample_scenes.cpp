@@ -26,19 +26,11 @@ proto::Scene described(std::string_view title, std::string_view attribution) {
     return scene;
 }
 
-/// A large photograph shows its things over many texels: it gets a larger tile.
-std::int32_t tile_side_for(const Rgb8Image& exemplar) {
-    return std::min(exemplar.width, exemplar.height) >= 2048 ? 1024 : PrepareOptions{}.tile_side;
-}
-
 /// `where` names the exemplar in messages.
-Result<ExchangeAsset> prepare(const Rgb8Image& exemplar, const std::string& where,
-                                     Progress& progress) {
-    PrepareOptions options;
-    options.tile_side = tile_side_for(exemplar);
-    auto asset = prepare_content_exchange(exemplar, options, progress);
-    if (!asset) return Error{asset.error().code, where + ": " + asset.error().detail};
-    return asset;
+Result<ExchangeAsset> prepare(const Rgb8Image& exemplar, const std::string& where, Progress& progress) {
+    auto prepared = prepare_exchange(exemplar, {}, nullptr, progress);
+    if (!prepared) return Error{prepared.error().code, where + ": " + prepared.error().detail};
+    return std::move(prepared->asset);
 }
 
 Result<Made> write_content_exchange_scene(const ExchangeAsset& asset, proto::Scene scene,

@@ -41,9 +41,10 @@ std::vector<Exemplar> exemplars() {
 ExchangeAsset prepared(const Rgb8Image& photo) {
     SilentProgress progress;
     auto asset = prepare_content_exchange(
-        photo, {.tile_side = 128, .patches = 24, .contents = 6, .blend_texels = 8, .seed = 3}, progress);
+        photo, {.tile_side = 128, .patches = 24, .contents = 6, .blend_texels = 8, .seed = 3}, nullptr,
+        progress);
     EXPECT_TRUE(asset.has_value()) << asset.error().detail;
-    return *asset;
+    return asset->asset;
 }
 
 LinearImage linear(const Texture& texture, const TexelRegion& region) {
@@ -93,8 +94,7 @@ TEST(SampleScenes, APageIsTheReductionOfItsFourChildrenAtEveryLevel) {
 
 TEST(SampleScenes, UnblendedLevel0ShowsOnlyColoursOfTheExemplar) {
     for (const Exemplar& exemplar : exemplars()) {
-        const auto texture =
-            make_exchange_texture(prepared(exemplar.image), {.seed = 8, .blended = false});
+        const auto texture = make_exchange_texture(prepared(exemplar.image), {.seed = 8, .blended = false});
         std::set<std::tuple<int, int, int>> colours;
         for (std::size_t i = 0; i < exemplar.image.bytes.size(); i += 3)
             colours.emplace(exemplar.image.bytes[i], exemplar.image.bytes[i + 1],

@@ -68,24 +68,25 @@ TEST(Prepare, one_thread_and_four_make_the_same_asset) {
     SilentProgress progress;
     PrepareOptions options = small;
     options.threads = 1;
-    const auto alone = prepare_content_exchange(photo, options, progress);
+    const auto alone = prepare_content_exchange(photo, options, nullptr, progress);
     options.threads = 4;
-    const auto together = prepare_content_exchange(photo, options, progress);
+    const auto together = prepare_content_exchange(photo, options, nullptr, progress);
     ASSERT_TRUE(alone && together);
-    expect_equal(*alone, *together);
+    expect_equal(alone->asset, together->asset);
 }
 
 TEST(Prepare, every_compiler_and_build_makes_this_very_asset) {
     SilentProgress progress;
-    const auto asset = prepare_content_exchange(test::made_photo(180, 150), small, progress);
+    const auto asset = prepare_content_exchange(test::made_photo(180, 150), small, nullptr, progress);
     ASSERT_TRUE(asset);
     // Changes when preparation changes, and only then: never between compilers or build types
-    EXPECT_EQ(fingerprint(*asset), 0xf612eb558159c490u) << std::hex << "0x" << fingerprint(*asset);
+    EXPECT_EQ(fingerprint(asset->asset), 0xf612eb558159c490u)
+        << std::hex << "0x" << fingerprint(asset->asset);
 }
 
 TEST(Prepare, tells_its_stages_in_order) {
     RecordingProgress progress;
-    ASSERT_TRUE(prepare_content_exchange(test::made_photo(150, 150), small, progress));
+    ASSERT_TRUE(prepare_content_exchange(test::made_photo(150, 150), small, nullptr, progress));
     EXPECT_THAT(progress.stages, testing::ElementsAre("tile", "patches", "contents"));
     EXPECT_EQ(progress.notes, "");
 }
@@ -94,7 +95,7 @@ TEST(Prepare, stops_in_every_stage_when_asked_to) {
     for (const char* stage : {"tile", "patches", "contents"}) {
         RecordingProgress progress;
         progress.stop_at = stage;
-        const auto asset = prepare_content_exchange(test::made_photo(150, 150), small, progress);
+        const auto asset = prepare_content_exchange(test::made_photo(150, 150), small, nullptr, progress);
         ASSERT_FALSE(asset) << stage;
         EXPECT_EQ(asset.error().code, ErrorCode::cancelled);
     }
@@ -102,22 +103,23 @@ TEST(Prepare, stops_in_every_stage_when_asked_to) {
 
 TEST(Prepare, takes_the_largest_tile_that_a_small_photograph_allows_and_says_so) {
     RecordingProgress progress;
-    const auto asset = prepare_content_exchange(test::made_photo(90, 75), {}, progress);
+    const auto asset = prepare_content_exchange(test::made_photo(90, 75), {}, nullptr, progress);
     ASSERT_TRUE(asset) << asset.error().detail;
-    EXPECT_EQ(asset->tile_side, 64);
+    EXPECT_EQ(asset->asset.tile_side, 64);
     EXPECT_THAT(progress.notes, HasSubstr("the photograph of 90×75 is too small for a tile of 512"));
     EXPECT_THAT(progress.notes, HasSubstr("about 16 patches, not 64"));
 }
 
 TEST(Prepare, manages_the_least_photograph_and_refuses_a_smaller_one) {
     RecordingProgress progress;
-    const auto least = prepare_content_exchange(test::made_photo(20, 20), {.contents = 200}, progress);
+    const auto least =
+        prepare_content_exchange(test::made_photo(20, 20), {.contents = 200}, nullptr, progress);
     ASSERT_TRUE(least) << least.error().detail;
-    EXPECT_EQ(least->tile_side, 16);
-    for (const auto& patch : least->patches) EXPECT_GE(patch.contents.size(), 1u);
+    EXPECT_EQ(least->asset.tile_side, 16);
+    for (const auto& patch : least->asset.patches) EXPECT_GE(patch.contents.size(), 1u);
     EXPECT_THAT(progress.notes, HasSubstr("fewer than 200 contents"));
     for (const std::int32_t side : {1, 19}) {
-        const auto none = prepare_content_exchange(test::made_photo(side, 40), {}, progress);
+        const auto none = prepare_content_exchange(test::made_photo(side, 40), {}, nullptr, progress);
         ASSERT_FALSE(none);
         EXPECT_EQ(none.error().code, ErrorCode::invalid_input);
         EXPECT_THAT(none.error().detail, HasSubstr("too small for a tile; 20 a side are the least"));
@@ -127,10 +129,10 @@ TEST(Prepare, manages_the_least_photograph_and_refuses_a_smaller_one) {
 TEST(Prepare, a_photograph_of_one_colour_gives_a_tile_of_that_colour) {
     Rgb8Image photo{100, 100, std::vector<std::uint8_t>(3 * 100 * 100, 77)};
     SilentProgress progress;
-    const auto asset = prepare_content_exchange(photo, small, progress);
+    const auto asset = prepare_content_exchange(photo, small, nullptr, progress);
     ASSERT_TRUE(asset) << asset.error().detail;
-    EXPECT_THAT(asset->tile.bytes, testing::Each(77));
-    EXPECT_EQ(asset->patches.size(), 16u);
+    EXPECT_THAT(asset->asset.tile.bytes, testing::Each(77));
+    EXPECT_EQ(asset->asset.patches.size(), 16u);
 }
 
 TEST(Prepare, refuses_options_out_of_range_by_name) {
@@ -143,12 +145,12 @@ TEST(Prepare, refuses_options_out_of_range_by_name) {
     for (const Row& row : {Row{{.tile_side = 8}, "--tile is 8; from 16 to 4096"},
                            Row{{.tile_side = 8192}, "--tile is 8192; from 16 to 4096"},
                            Row{{.tile_side = 100}, "--tile is 100; a power of two"},
-                           Row{{.patches = 15}, "--patches is 15; from 16 to 4096"},
-                           Row{{.contents = 0}, "--contents is 0; from 1 to 255"},
+                           Row{{.patches = 15}, "--patches is 15; from 16 to 256"},
+                           Row{{.contents = -1}, "--contents is -1; from 1 to 255"},
                            Row{{.blend_texels = 66}, "--blend is 66; from 0 to 64"},
                            Row{{.blend_texels = -2}, "--blend is -2; from 0 to 64"},
                            Row{{.blend_texels = 7}, "--blend is 7; an even number"}}) {
-        const auto asset = prepare_content_exchange(photo, row.options, progress);
+        const auto asset = prepare_content_exchange(photo, row.options, nullptr, progress);
         ASSERT_FALSE(asset) << row.says;
         EXPECT_EQ(asset.error().code, ErrorCode::invalid_input);
         EXPECT_THAT(asset.error().detail, HasSubstr(row.says));
@@ -170,11 +172,11 @@ TEST(Prepare, real_photographs_or_the_made_one_give_full_assets) {
     for (const Rgb8Image& photo : photos) {
         RecordingProgress progress;
         const auto asset = prepare_content_exchange(
-            photo, {.tile_side = 128, .patches = 16, .contents = 10, .blend_texels = 8}, progress);
+            photo, {.tile_side = 128, .patches = 16, .contents = 10, .blend_texels = 8}, nullptr, progress);
         ASSERT_TRUE(asset) << asset.error().detail;
-        EXPECT_EQ(asset->exemplar.bytes, photo.bytes);
+        EXPECT_EQ(asset->asset.exemplar.bytes, photo.bytes);
         EXPECT_EQ(progress.notes, "");
-        for (const auto& patch : asset->patches) {
+        for (const auto& patch : asset->asset.patches) {
             ASSERT_EQ(patch.contents.size(), 10u);
             for (const auto& content : patch.contents) {
                 EXPECT_GE(content.at.x, 4);
