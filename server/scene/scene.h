@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "server/texture/material.h"
 #include "server/texture/texture.h"
 #include "shared/page/page_key.h"
 #include "shared/result/result.h"
@@ -22,7 +23,22 @@ struct Scene {
     Extent extent;
     std::uint64_t revision = 0;  ///< Accepted edits so far.
     std::string fingerprint;  ///< 16 hex digits over the scene file, its assets and the evaluator's version.
-    std::shared_ptr<const Texture> texture;
+    std::shared_ptr<const Texture> texture;  ///< The colour: the channel set "albedo".
+    std::vector<Channels> channels;          ///< The other sets it has, in the order of ChannelSet.
+
+    /// Null if the scene has no such set.
+    const Texture* texture_of(ChannelSet set) const noexcept {
+        if (set == ChannelSet::albedo) return texture.get();
+        for (const Channels& other : channels)
+            if (other.set == set) return other.texture.get();
+        return nullptr;
+    }
+    /// "albedo, normal, height": for messages.
+    std::string channel_names() const {
+        std::string names{name_of(ChannelSet::albedo)};
+        for (const Channels& other : channels) names.append(", ").append(name_of(other.set));
+        return names;
+    }
 };
 
 using ScenePtr = std::shared_ptr<const Scene>;

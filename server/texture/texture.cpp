@@ -16,10 +16,18 @@ void encode(const LinearImage& linear, Rgba8Image& out) {
     }
 }
 
+void encode_data(const LinearImage& values, Rgba8Image& out) {
+    out = Rgba8Image{values.width, values.height};
+    for (std::size_t i = 0; i < values.values.size(); ++i) {
+        const float scaled = values.values[i] * 255.0F + 0.5F;
+        out.bytes[i] = static_cast<std::uint8_t>(scaled > 0.0F ? (scaled < 255.0F ? scaled : 255.0F) : 0.0F);
+    }
+}
+
 Result<Evaluation> Texture::evaluate(const TexelRegion& region, const Budget& budget, Rgba8Image& out) const {
     LinearImage linear;
     const auto evaluation = evaluate(region, budget, linear);
-    if (evaluation) encode(linear, out);
+    if (evaluation) is_data() ? encode_data(linear, out) : encode(linear, out);
     return evaluation;
 }
 

@@ -46,10 +46,14 @@ class Texture {
     virtual Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
                                         LinearImage& out) const = 0;
 
-    /// The same, sRGB-coded: what pages carry. Equal to encode(evaluate(…)) within the rounding of a linear
-    /// step.
+    /// The same as pages carry it: sRGB-coded, or 255ths where is_data(). Equal to encode(evaluate(…)), or
+    /// encode_data(…), within the rounding of a linear step.
     virtual Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
                                         Rgba8Image& out) const;
+
+    /// Whether texels are numbers, as in normal maps, and no colours: then no sRGB curve lies between their linear
+    /// values and their codes.
+    virtual bool is_data() const noexcept { return false; }
 
     /// "constant", "checker", "content_exchange": the field of proto::Scene.
     virtual std::string_view kind() const noexcept = 0;
@@ -61,6 +65,9 @@ class Texture {
 
 /// sRGB-codes linear texels, each channel clamped and rounded to the nearest code.
 void encode(const LinearImage& linear, Rgba8Image& out);
+
+/// The nearest 255th of each value, clamped.
+void encode_data(const LinearImage& values, Rgba8Image& out);
 
 /// The part of a code that error bounds count in: 1/255 of linear light.
 inline constexpr double code_in_linear = 1.0 / 255.0;

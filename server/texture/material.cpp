@@ -1,0 +1,241 @@
+#include "server/texture/material.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <utility>
+
+#include "server/texture/lean.h"
+
+namespace tessera {
+namespace {
+
+using TexturePtr = std::shared_ptr<const Texture>;
+
+/// Up to three filtered textures of numbers, made into one set's texels, row by row.
+class MaterialTexture : public Texture {
+  public:
+    static constexpr std::size_t most_sources = 3;
+    using Rows =
+        std::array<const float*, most_sources>;       ///< RGBA of each source, in the order they were given.
+    using Errors = std::array<double, most_sources>;  ///< Of each source at most, in parts of 1.
+
+    MaterialTexture(ChannelSet set, std::vector<TexturePtr> sources, std::size_t own_bytes)
+        : set_{set}, sources_{std::move(sources)}, own_bytes_{own_bytes} {}
+
+    using Texture::evaluate;
+    Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
+                                LinearImage& out) const override {
+        std::array<LinearImage, most_sources> in;
+        Errors errors{};
+        Evaluation all;
+        for (std::size_t i = 0; i < sources_.size(); ++i) {
+            const auto one = sources_[i]->evaluate(region, budget, in[i]);
+            if (!one) return one.error();
+            errors[i] = one->bound_codes * code_in_linear;
+            all.method = one->method;
+            all.confidence = std::min(all.confidence, one->confidence);
+            all.work += one->work;
+        }
+        out = LinearImage{region.width, region.height};
+        for (std::int32_t y = 0; y < region.height; ++y) {
+            if (auto spent = check_budget(budget); !spent) return spent.error();
+            Rows rows{};
+            for (std::size_t i = 0; i < sources_.size(); ++i) rows[i] = in[i].row(y);
+            all.bound_codes = std::max(all.bound_codes, fill_row(rows, errors, region.width, out.row(y)));
+        }
+        return all;
+    }
+    bool is_data() const noexcept override { return true; }
+    std::string_view kind() const noexcept override { return name_of(set_); }
+    std::string description() const override { return std::string{name_of(set_)} + ": " + words(); }
+    std::size_t memory_bytes() const noexcept override { return own_bytes_; }
+
+  protected:
+    /// Fills a row of `width` RGBA texels, and tells how many codes it is off at most.
+    virtual double fill_row(const Rows& in, const Errors& errors, std::int32_t width, float* out) const = 0;
+    virtual std::string words() const = 0;
+
+    static void put(float* texel, double red, double green, double blue) noexcept {
+        texel[0] = static_cast<float>(red);
+        texel[1] = static_cast<float>(green);
+        texel[2] = static_cast<float>(blue);
+        texel[3] = 1.0F;
+    }
+
+  private:
+    ChannelSet set_;
+    std::vector<TexturePtr> sources_;
+    std::size_t own_bytes_;
+};
+
+std::string range_text(double range) {
+    char text[64];
+    std::snprintf(text, sizeof text, "slopes within ±%.3f", range);
+    return text;
+}
+
+/// lean_slopes().
+class NormalTexture final : public MaterialTexture {
+  public:
+    NormalTexture(const TexturePtr& slopes, double range)
+        : MaterialTexture{ChannelSet::normal, {slopes}, slopes->memory_bytes()}, range_{range} {}
+
+  private:
+    double fill_row(const Rows& in, const Errors& errors, std::int32_t width, float* out) const override {
+        constexpr std::array<float, 3> no_moments{};
+        for (std::int32_t x = 0; x < width; ++x) {
+            const Slopes mean = lean_texel(in[0] + 4 * x, no_moments.data(), range_).mean;
+            const double half = 0.5 / std::sqrt(mean.x * mean.x + mean.y * mean.y + 1.0);
+            put(out + 4 * x, 0.5 + mean.x * half, 0.5 + mean.y * half, 0.5 + half);
+        }
+        // A normal moves by no more than its slopes do, which are 2·range wide, and is coded at half its size
+        return 255 * 1.4143 * range_ * errors[0];
+    }
+    std::string words() const override { return "unit normals of the mean slopes, " + range_text(range_); }
+
+    double range_;
+};
+
+/// squared_alphas() and, of a bumpy surface, lean_slopes() and lean_moments().
+class RoughnessTexture final : public MaterialTexture {
+  public:
+    explicit RoughnessTexture(const TexturePtr& alphas)
+        : MaterialTexture{ChannelSet::roughness, {alphas}, alphas->memory_bytes()} {}
+    RoughnessTexture(const TexturePtr& alphas, const TexturePtr& slopes, const TexturePtr& moments,
+                     double range)
+        : MaterialTexture{ChannelSet::roughness, {alphas, slopes, moments}, alphas->memory_bytes()},
+          range_{range} {}
+
+  private:
+    double fill_row(const Rows& in, const Errors& errors, std::int32_t width, float* out) const override {
+        double least = 1;
+        for (std::int32_t x = 0; x < width; ++x) {
+            const LeanTexel texel =
+                range_ > 0 ? lean_texel(in[1] + 4 * x, in[2] + 4 * x, range_) : LeanTexel{};
+            const double roughness = rougher(squared_alpha(in[0] + 4 * x), texel);
+            least = std::min(least, roughness);
+            put(out + 4 * x, roughness, roughness, roughness);
+        }
+        double error = squared_alpha_error(errors[0]);
+        if (range_ > 0) error += 2 * lean_error(errors[1], errors[2], range_).variance;
+        // The root is steepest where the row is smoothest, and steeper yet below
+        const double squared = least * least * least * least;
+        const double above = roughness_of(squared + error) - least;
+        const double below = least - roughness_of(std::max(0.0, squared - error));
+        return 255 * std::max(above, below);
+    }
+    std::string words() const override {
+        return range_ > 0 ? "with the spread of the normals under a texel, " + range_text(range_)
+                          : "no normals: filtered as the variance it stands for";
+    }
+
+    double range_ = 0;  ///< 0: there are no normals.
+};
+
+/// The third value of a source.
+class HeightTexture final : public MaterialTexture {
+  public:
+    HeightTexture(const TexturePtr& source, bool owns)
+        : MaterialTexture{ChannelSet::height, {source}, owns ? source->memory_bytes() : 0} {}
+
+  private:
+    double fill_row(const Rows& in, const Errors& errors, std::int32_t width, float* out) const override {
+        for (std::int32_t x = 0; x < width; ++x) {
+            const float height = in[0][4 * x + 2];
+            put(out + 4 * x, height, height, height);
+        }
+        return 255 * errors[0];
+    }
+    std::string words() const override { return "linear"; }
+};
+
+/// lean_slopes() and lean_moments(), as roots: variances of 8 bits would leave nothing of a gentle bump.
+class MomentsTexture final : public MaterialTexture {
+  public:
+    MomentsTexture(const TexturePtr& slopes, const TexturePtr& moments, double range)
+        : MaterialTexture{ChannelSet::moments, {slopes, moments}, moments->memory_bytes()}, range_{range} {}
+
+  private:
+    double fill_row(const Rows& in, const Errors& errors, std::int32_t width, float* out) const override {
+        for (std::int32_t x = 0; x < width; ++x) {
+            const LeanTexel texel = lean_texel(in[0] + 4 * x, in[1] + 4 * x, range_);
+            const double root = std::sqrt(std::abs(texel.covariance));
+            put(out + 4 * x, std::min(1.0, std::sqrt(texel.variance_x)),
+                std::min(1.0, std::sqrt(texel.variance_y)),
+                0.5 + 0.5 * std::clamp(texel.covariance < 0 ? -root : root, -1.0, 1.0));
+        }
+        // The root of something small is off by the root of its error
+        const LeanError error = lean_error(errors[0], errors[1], range_);
+        return 255 * std::max(std::sqrt(error.variance), std::sqrt(error.covariance));
+    }
+    std::string words() const override {
+        return "σx, σy and the signed root of the covariance of the normals under a texel, " +
+               range_text(range_);
+    }
+
+    double range_;
+};
+
+const ExchangeAsset::Channel* image_of(const ExchangeAsset& asset, ChannelSet set) noexcept {
+    for (const ExchangeAsset::Channel& channel : asset.channels)
+        if (channel.name == name_of(set)) return &channel;
+    return nullptr;
+}
+
+Rgb16Image greys(const Rgb8Image& image) {
+    Rgb16Image wide{image.width, image.height, {}};
+    wide.values.reserve(image.bytes.size());
+    for (const std::uint8_t byte : image.bytes) wide.values.push_back(static_cast<std::uint16_t>(byte * 257));
+    return wide;
+}
+
+}  // namespace
+
+std::size_t channel_textures(const ExchangeAsset& asset) noexcept {
+    const bool normal = image_of(asset, ChannelSet::normal) != nullptr,
+               roughness = image_of(asset, ChannelSet::roughness) != nullptr,
+               height = image_of(asset, ChannelSet::height) != nullptr;
+    return (normal ? 2u : 0u) + (roughness ? 1u : 0u) + (height && !normal && !roughness ? 1u : 0u);
+}
+
+std::vector<Channels> make_channels(const std::shared_ptr<const ExchangeTexture>& albedo,
+                                    const ExchangeAsset& asset) {
+    const auto* normal = image_of(asset, ChannelSet::normal);
+    const auto* roughness = image_of(asset, ChannelSet::roughness);
+    const auto* height = image_of(asset, ChannelSet::height);
+    const Rgb8Image* const height_exemplar = height == nullptr ? nullptr : &height->exemplar;
+    const Rgb8Image* const height_tile = height == nullptr ? nullptr : &height->tile;
+
+    // Heights travel in the third value of whichever texture there is
+    TexturePtr slopes, moments, alphas, heights;
+    double range = 0;
+    if (normal != nullptr) {
+        range = std::max(steepest_in(normal->exemplar), steepest_in(normal->tile));
+        slopes = albedo->with_texels(lean_slopes(normal->exemplar, range, height_exemplar),
+                                     lean_slopes(normal->tile, range, height_tile));
+        moments =
+            albedo->with_texels(lean_moments(normal->exemplar, range), lean_moments(normal->tile, range));
+    }
+    if (roughness != nullptr)
+        alphas = albedo->with_texels(squared_alphas(roughness->exemplar, height_exemplar),
+                                     squared_alphas(roughness->tile, height_tile));
+    if (height != nullptr) {
+        heights = slopes ? slopes : alphas;
+        if (!heights) heights = albedo->with_texels(greys(height->exemplar), greys(height->tile));
+    }
+
+    std::vector<Channels> sets;
+    const auto add = [&](ChannelSet set, TexturePtr texture) { sets.push_back({set, std::move(texture)}); };
+    if (slopes) add(ChannelSet::normal, std::make_shared<NormalTexture>(slopes, range));
+    if (alphas)
+        add(ChannelSet::roughness, slopes ? std::make_shared<RoughnessTexture>(alphas, slopes, moments, range)
+                                          : std::make_shared<RoughnessTexture>(alphas));
+    if (heights) add(ChannelSet::height, std::make_shared<HeightTexture>(heights, !slopes && !alphas));
+    if (slopes) add(ChannelSet::moments, std::make_shared<MomentsTexture>(slopes, moments, range));
+    return sets;
+}
+
+}  // namespace tessera
