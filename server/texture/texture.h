@@ -46,14 +46,14 @@ class Texture {
     virtual Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
                                         LinearImage& out) const = 0;
 
-    /// The same as pages carry it: sRGB-coded, or 255ths where is_data(). Equal to encode(evaluate(…)), or
-    /// encode_data(…), within the rounding of a linear step.
+    /// The same, coded as pages carry texels of texel_kind(). Equal to encode(evaluate(…)), or of data to
+    /// encode_data(evaluate(…)), within the rounding of a linear step.
     virtual Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
                                         Rgba8Image& out) const;
 
-    /// Whether texels are numbers, as in normal maps, and no colours: then no sRGB curve lies between their linear
-    /// values and their codes.
+    /// Whether texels are numbers and no colours.
     virtual bool is_data() const noexcept { return false; }
+    TexelKind texel_kind() const noexcept { return is_data() ? TexelKind::data : TexelKind::color; }
 
     /// "constant", "checker", "content_exchange": the field of proto::Scene.
     virtual std::string_view kind() const noexcept = 0;

@@ -6,7 +6,14 @@
 
 namespace tessera {
 
+/// What texels are.
+enum class TexelKind : std::uint8_t {
+    color,  ///< Light: filtered linear, sRGB-coded in pages.
+    data,   ///< Numbers, as in normal maps: pages hold 255ths of them, opaque.
+};
+
 /// Texels as pages carry them: RGBA, 8 bits a channel, sRGB-coded, premultiplied by alpha; rows from the top.
+/// Of TexelKind::data, 255ths.
 struct Rgba8Image {
     std::int32_t width = 0;
     std::int32_t height = 0;
