@@ -27,7 +27,7 @@ void encode_data(const LinearImage& values, Rgba8Image& out) {
 Result<Evaluation> Texture::evaluate(const TexelRegion& region, const Budget& budget, Rgba8Image& out) const {
     LinearImage linear;
     const auto evaluation = evaluate(region, budget, linear);
-    if (evaluation) is_data() ? encode_data(linear, out) : encode(linear, out);
+    if (evaluation) texel_kind() == TexelKind::data ? encode_data(linear, out) : encode(linear, out);
     return evaluation;
 }
 
