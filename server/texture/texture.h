@@ -51,7 +51,9 @@ class Texture {
     virtual Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
                                         Rgba8Image& out) const;
 
-    virtual TexelKind texel_kind() const noexcept { return TexelKind::color; }
+    /// Whether texels are numbers and no colours.
+    virtual bool is_data() const noexcept { return false; }
+    virtual TexelKind texel_kind() const noexcept { return is_data() ? TexelKind::data : TexelKind::color; }
 
     /// "constant", "checker", "content_exchange": the field of proto::Scene.
     virtual std::string_view kind() const noexcept = 0;
