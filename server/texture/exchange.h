@@ -35,8 +35,8 @@ struct Rgb16Image {
 /// A by-example texture, and what it shows where.
 class ExchangeTexture : public Texture {
   public:
-    /// What each texel of a level-0 region shows without blending: 0 the tile, else 1 + the number of the content,
-    /// counted through all patches. Rows of region.width.
+    /// What each texel of a level-0 region shows without blending: 0 the tile, else 1 + the number of the
+    /// content, counted through all patches, dropped ones left out. Rows of region.width.
     virtual Result<std::vector<std::uint32_t>> sources(const TexelRegion& region) const = 0;
 
     /// The same decisions for other texels: `exemplar` and `tile` as large as the asset's. Its texels are the
@@ -45,11 +45,12 @@ class ExchangeTexture : public Texture {
                                                        const Rgb16Image& tile) const = 0;
 };
 
-/// The most that a texture of this asset may take when it is compiled: what loading checks before it allocates.
+/// The most that a texture of this asset may take when it is compiled: what loading checks before it
+/// allocates.
 std::size_t exchange_bytes(const ExchangeAsset& asset, const ExchangeOptions& options);
 
-/// Beyond this a texture is refused. Too little refuses large tiles with many contents; too much lets one scene
-/// starve the others.
+/// Beyond this a texture is refused. Too little refuses large tiles with many contents; too much lets one
+/// scene starve the others.
 inline constexpr std::size_t max_exchange_bytes = std::size_t{2} << 30;
 
 /// The asset's exchange_bytes() are at most max_exchange_bytes, and its method knows options.choice.

@@ -13,7 +13,8 @@ namespace tessera {
 struct BitMask {
     std::int32_t width = 0;
     std::int32_t height = 0;
-    std::vector<std::uint8_t> bytes;  ///< Rows of (width + 7) / 8 bytes, the leftmost texel in the highest bit.
+    std::vector<std::uint8_t>
+        bytes;  ///< Rows of (width + 7) / 8 bytes, the leftmost texel in the highest bit.
 
     BitMask() = default;
     BitMask(std::int32_t w, std::int32_t h)
@@ -39,10 +40,10 @@ enum class ExchangeMethod : std::uint8_t {
     wang,              ///< One square patch whose contents are corner-coloured tiles.
 };
 
-/// What all by-example textures are made of (DESIGN section 2): the plane shows the periodic tile, except where
-/// a patch shows one of its contents, a part of the exemplar with a shape of its own:
-/// I = tile + Σ shape·(content − tile). Shapes that are shown together never overlap.
-/// proto/asset.proto says how this is kept in files; read_exchange_asset() has checked it.
+/// What all by-example textures are made of (DESIGN section 2): the plane shows the periodic tile, except
+/// where a patch shows one of its contents, a part of the exemplar with a shape of its own: I = tile + Σ
+/// shape·(content − tile). Shapes that are shown together never overlap. proto/asset.proto says how this is
+/// kept in files; read_exchange_asset() has checked it.
 struct ExchangeAsset {
     static constexpr int max_contents = 255;  ///< Of a patch, beside its own.
 
@@ -56,11 +57,12 @@ struct ExchangeAsset {
         Offset at;
         BitMask shape;  ///< As large as the patch's box.
         Standing standing = Standing::chosen;
-        std::uint8_t corners = 0;  ///< wang: colours of top left, top right, bottom left, bottom right, two bits each
-                                   ///< from the lowest on.
+        std::uint8_t corners = 0;  ///< wang: colours of top left, top right, bottom left, bottom right, two
+                                   ///< bits each from the lowest on.
     };
-    /// interchange: on which tiles a patch may lie when every tile decides for itself. No patch of one set overlaps
-    /// one of another, whatever neighbours they lie on. `none`: only where a whole unit is decided at once.
+    /// interchange: on which tiles a patch may lie when every tile decides for itself. No patch of one set
+    /// overlaps one of another, whatever neighbours they lie on. `none`: only where a whole unit is decided
+    /// at once.
     enum class Set : std::uint8_t { none, a, b };
     struct Patch {
         /// First texel of the box relative to the tile. content_exchange: 0 to side − 1, the box wraps.
@@ -68,8 +70,8 @@ struct ExchangeAsset {
         /// 3·side/2. wang: 0.
         std::int32_t x = 0, y = 0;
         std::int32_t width = 0, height = 0;  ///< content_exchange: at most side / 2. wang: side.
-        /// content_exchange: content 0, the tile's own, is not listed; shapes keep to the patch's part of the patch
-        /// map. interchange: exactly one. wang: one for each tile.
+        /// content_exchange: content 0, the tile's own, is not listed; shapes keep to the patch's part of the
+        /// patch map. interchange: exactly one. wang: one for each tile.
         std::vector<Content> contents;
         Set set = Set::none;
     };

@@ -7,22 +7,42 @@
 
 namespace tessera {
 
-IndependentChoice::IndependentChoice(std::uint64_t seed, const PatchMap& map, const ExemplarTexels& texels,
-                                     const Stamps& stamps) {
-    const int tile_level = static_cast<int>(map.levels().size()) - 1;
-    for (std::size_t p = 0; p < texels.patch_count(); ++p) {
+IndependentChoice::IndependentChoice(std::uint64_t seed, const Shapes& shapes) {
+    for (std::size_t p = 0; p < shapes.patch_count(); ++p) {
         keys_.push_back(seed ^ stream("independent contents", p));
+        first_of_.push_back(shapes.first_of(p));
+    }
+    first_of_.push_back(shapes.first_of(shapes.patch_count()));
+}
+
+std::uint32_t IndependentChoice::content_of(std::size_t patch, std::int64_t tile_x,
+                                            std::int64_t tile_y) const noexcept {
+    return uniform_below(hash(0, keys_[patch], tile_x, tile_y), first_of_[patch + 1] - first_of_[patch] + 1);
+}
+
+std::vector<Shown> IndependentChoice::shown_by(std::int64_t tile_x, std::int64_t tile_y) const {
+    std::vector<Shown> shown;
+    for (std::size_t p = 0; p < keys_.size(); ++p)
+        if (const std::uint32_t content = content_of(p, tile_x, tile_y); content > 0)
+            shown.push_back({static_cast<std::uint16_t>(first_of_[p] + content - 1), 0, 0});
+    return shown;
+}
+
+IndependentSums::IndependentSums(const Shapes& shapes, const Stamps::Level& one_texel_tiles) {
+    for (std::size_t p = 0; p < shapes.patch_count(); ++p) {
         first_content_.push_back(static_cast<std::uint32_t>(sums_.size()));
-        for (std::size_t content = 0; content < texels.content_count(p); ++content) {
-            NodeSums sums;
-            for (std::int32_t y = 0; y < 2; ++y)
-                for (const PatchMap::Span& span : map.levels()[std::size_t(tile_level)].row(y)) {
-                    if (span.patch != p) continue;
-                    const float* stamp = stamps.stamp(tile_level, p, content) + std::size_t{span.offset} * 3;
-                    for (std::int32_t x = span.begin; x < span.end; ++x)
-                        for (std::int32_t c = 0; c < 3; ++c)
-                            sums.part[y * 2 + x][c] = double{stamp[(x - span.begin) * 3 + c]};
-                }
+        sums_.emplace_back();
+        for (std::uint32_t shape = shapes.first_of(p); shape < shapes.first_of(p + 1); ++shape) {
+            Sums sums;
+            const Stamps::Stamp& stamp = one_texel_tiles.stamps[shape];
+            for (std::uint32_t row = 0; row < stamp.rows; ++row) {
+                const Stamps::Span& span = one_texel_tiles.spans[stamp.first_span + row];
+                for (std::int32_t x = span.begin; x < span.end; ++x)
+                    for (std::int32_t c = 0; c < 3; ++c)
+                        sums.part[(stamp.y + static_cast<std::int32_t>(row)) * 2 + x][c] = double{
+                            one_texel_tiles
+                                .values[(span.offset + std::size_t(x - span.begin)) * 3 + std::size_t(c)]};
+            }
             sums_.push_back(sums);
         }
 
@@ -51,25 +71,16 @@ IndependentChoice::IndependentChoice(std::uint64_t seed, const PatchMap& map, co
     first_content_.push_back(static_cast<std::uint32_t>(sums_.size()));
 }
 
-void IndependentChoice::contents_of(std::int64_t tile_x, std::int64_t tile_y,
-                                    std::uint8_t* contents) const noexcept {
-    for (std::size_t p = 0; p < keys_.size(); ++p)
-        contents[p] = static_cast<std::uint8_t>(
-            uniform_below(hash(0, keys_[p], tile_x, tile_y), first_content_[p + 1] - first_content_[p]));
-}
-
-void IndependentChoice::add_enumerated(int height, std::int64_t x, std::int64_t y, std::int32_t width,
-                                       double* rgb) const {
+void IndependentSums::add_enumerated(const IndependentChoice& choice, int height, std::int64_t x,
+                                     std::int64_t y, std::int32_t width, double* rgb) const {
     const std::int64_t side = std::int64_t{1} << height;
     const double share = 1.0 / (static_cast<double>(side) * static_cast<double>(side));
     // Tiles under the row, and the row and column of tiles before it, whose patches hang over into it
     for (std::int64_t tile_y = y * side - 1; tile_y < (y + 1) * side; ++tile_y)
         for (std::int64_t tile_x = x * side - 1; tile_x < (x + width) * side; ++tile_x) {
-            NodeSums tile;
-            for (std::size_t p = 0; p < keys_.size(); ++p) {
-                const std::uint32_t content = uniform_below(hash(0, keys_[p], tile_x, tile_y),
-                                                            first_content_[p + 1] - first_content_[p]);
-                const NodeSums& sums = sums_[first_content_[p] + content];
+            Sums tile;
+            for (std::size_t p = 0; p < choice.patch_count(); ++p) {
+                const Sums& sums = sums_[first_content_[p] + choice.content_of(p, tile_x, tile_y)];
                 for (std::size_t part = 0; part < 4; ++part)
                     for (std::size_t c = 0; c < 3; ++c) tile.part[part][c] += sums.part[part][c];
             }
@@ -83,7 +94,7 @@ void IndependentChoice::add_enumerated(int height, std::int64_t x, std::int64_t 
         }
 }
 
-IndependentChoice::Bound IndependentChoice::bound(int height) const noexcept {
+IndependentSums::Bound IndependentSums::bound(int height) const noexcept {
     // A texel meets at most (2^height + 1)² tiles, each with a share of 4^−height
     const double side = std::ldexp(1.0, height);
     const double tiles = (side + 1) * (side + 1), share = 1 / (side * side);

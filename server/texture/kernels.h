@@ -3,50 +3,33 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "server/texture/patch_map.h"
-#include "server/texture/variants.h"
+#include "server/texture/stamps.h"
+#include "server/texture/unit_sums.h"
 
 namespace tessera {
 
-/// The inner loops of content exchange, compiled once for each instruction set from kernels_body.inc. Every
-/// result lane is computed by the same operations in the same order, so all of them give the same bits.
+/// The inner loops of by-example textures, compiled once for each instruction set from kernels_body.inc.
+/// Every result lane is computed by the same operations in the same order, so all of them give the same bits.
 struct Kernels {
     const char* name;  ///< "x86-64", "avx2", "avx512"
 
-    /// What one row of a page takes from one tile's column of stamps.
-    struct StampTile {
-        std::int64_t x = 0;                      ///< The tile's first texel, relative to the row's.
-        const std::uint8_t* contents = nullptr;  ///< Of this row's tile, by patch.
-        const std::uint8_t* contents_above =
-            nullptr;  ///< Of the tile above, whose patches hang over into this row.
-    };
-    struct StampRow {
-        const StampTile* tiles = nullptr;
-        std::size_t tile_count = 0;
-        const PatchMap::Span* spans = nullptr;  ///< Of this row in the tile.
-        const PatchMap::Span* spans_end = nullptr;
-        const PatchMap::Span* spans_above = nullptr;  ///< Of the row a tile's side further down.
-        const PatchMap::Span* spans_above_end = nullptr;
-        const float* values = nullptr;                ///< Stamps of the level …
-        const std::size_t* patch_begin = nullptr;     ///< … by patch, in floats
-        const std::size_t* content_stride = nullptr;  ///< … by patch, in floats
-        std::int32_t width = 0;                       ///< Texels of the row.
-    };
-    /// Adds the stamps to `rgb` (3·width floats). Returns the number of stamps met.
-    std::size_t (*add_stamps)(const StampRow& row, float* rgb);
+    /// Adds rows of a stamp: span i to the row `rgb` + i·stride, its columns moved by `x`, what falls outside
+    /// [0, width) left out. Returns the number of texels added.
+    std::size_t (*add_spans)(const Stamps::Span* spans, std::int32_t count, const float* values,
+                             std::int64_t x, std::int32_t width, float* rgb, std::ptrdiff_t stride);
 
     struct VariantRow {
         const std::uint16_t* types =
-            nullptr;  ///< Of the tiles of this row, from the one that holds column `first_x`.
+            nullptr;  ///< Of the units of this row, from the one that holds column `first_x`.
         const std::uint16_t* types_above = nullptr;
-        std::size_t tile_count = 0;
-        std::int64_t first_x = 0;      ///< First tile's first texel relative to the row's, usually negative.
+        std::size_t unit_count = 0;
+        std::int64_t first_x = 0;      ///< First unit's first texel relative to the row's, usually negative.
         const float* image = nullptr;  ///< Row y of the image of type 0.
         const float* image_above =
-            nullptr;  ///< Row y + tile side of it, or null if nothing hangs over so far down.
+            nullptr;  ///< Row y + unit side of it, or null if nothing hangs over so far down.
         std::size_t image_stride = 0;  ///< Floats from a type's image to the next's.
         std::int32_t image_side = 0;
-        std::int32_t tile_side = 0;
+        std::int32_t unit_side = 0;
         std::int32_t width = 0;
     };
     void (*add_variants)(const VariantRow& row, float* rgb);
@@ -59,17 +42,13 @@ struct Kernels {
     /// RGB linear to sRGB codes, opaque.
     void (*encode)(const float* rgb, std::int32_t width, std::uint8_t* rgba);
 
-    /// One run of blended texels at level 0: Σ weight·steps / weight_one, rounded, as sRGB codes (`rgba`) or
-    /// as steps.
-    struct BlendTerm {
-        const std::uint16_t* steps = nullptr;    ///< RGBA
-        const std::uint16_t* weights = nullptr;  ///< Four equal ones for each texel.
-    };
-    /// `sums`: room for 4·(width + 3) values; left holding Σ weight·steps. Reads and writes up to 3 texels
-    /// too far.
-    void (*blend)(const BlendTerm* terms, std::size_t count, std::int32_t width, std::uint32_t* sums);
-    /// Sums of blend() to sRGB codes, opaque.
-    void (*encode_sums)(const std::uint32_t* sums, std::int32_t width, std::uint8_t* rgba);
+    /// One run of blended texels at level 0: sums += weight·(content − tile); all RGBA steps, weights one a
+    /// texel.
+    void (*blend)(const std::uint16_t* content, const std::uint16_t* tile, const std::uint16_t* weights,
+                  std::int32_t width, std::int32_t* sums);
+    /// tile + sums / weight_one, rounded, as sRGB codes, opaque.
+    void (*encode_blended)(const std::int32_t* sums, const std::uint16_t* tile, std::int32_t width,
+                           std::uint8_t* rgba);
 };
 
 /// The best that this processor runs; `TESSERA_KERNELS=x86-64|avx2|avx512` in the environment asks for less.

@@ -48,7 +48,7 @@ class MaterialTexture : public Texture {
         }
         return all;
     }
-    bool is_data() const noexcept override { return true; }
+    TexelKind texel_kind() const noexcept override { return TexelKind::data; }
     std::string_view kind() const noexcept override { return name_of(set_); }
     std::string description() const override { return std::string{name_of(set_)} + ": " + words(); }
     std::size_t memory_bytes() const noexcept override { return own_bytes_; }

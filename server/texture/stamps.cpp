@@ -2,13 +2,16 @@
 
 #include <algorithm>
 
+#include "shared/math/srgb.h"
+
 namespace tessera {
 namespace {
 
-/// One stamp at one level as a dense box of the tile's texel grid.
+/// A stamp at one level as a dense box, in sums of level-0 texels: integers, so that nothing is rounded on
+/// the way.
 struct Box {
     std::int32_t x = 0, y = 0, width = 0, height = 0;
-    std::vector<double> rgb;
+    std::vector<std::int64_t> rgb;
 
     Box(std::int32_t left, std::int32_t top, std::int32_t right, std::int32_t bottom)
         : x{left},
@@ -16,85 +19,144 @@ struct Box {
           width{right - left},
           height{bottom - top},
           rgb(std::size_t(width) * std::size_t(height) * 3) {}
-    double* at(std::int32_t px, std::int32_t py) noexcept {
-        return rgb.data() + (std::size_t(py - y) * std::size_t(width) + std::size_t(px - x)) * 3;
+    std::int64_t* row(std::int32_t row_y) noexcept {
+        return rgb.data() + std::size_t(row_y - y) * std::size_t(width) * 3;
     }
 };
 
-/// weight·(content − mean) at level 0, linear.
-Box level_0_stamp(const PatchMap::Patch& patch, const ExemplarTexels::Content& content,
-                  const ColorSteps& mean) {
-    Box box{patch.x, patch.y, patch.x + patch.width, patch.y + patch.height};
-    double* out = box.rgb.data();
-    const std::uint16_t* weight = patch.weights.data();
-    for (std::int32_t y = 0; y < patch.height; ++y) {
-        const std::uint16_t* steps =
-            content.source->steps.data() +
-            (content.offset + std::size_t(y) * std::size_t(content.source->width)) * 4;
-        for (std::int32_t x = 0; x < patch.width; ++x, ++weight, steps += 4, out += 3)
-            for (std::size_t c = 0; c < 3; ++c)
-                out[c] =
-                    double(*weight) * (double(steps[c]) - mean[c]) / (double(PatchMap::weight_one) * 65535.0);
+/// Σ weight·(content − tile), in steps times weight_one.
+Box level_0_stamp(const Shapes& shapes, const Shapes::Shape& shape, const TexelSource& exemplar,
+                  const TexelSource& tile) {
+    Box box{shape.x, shape.y, shape.x + shape.width, shape.y + shape.height};
+    const std::int32_t wrap = tile.height - 1;
+    for (std::int32_t y = 0; y < shape.height; ++y) {
+        const std::uint16_t* content = exemplar.step_row(shape.from_y + y) + std::ptrdiff_t{shape.from_x} * 4;
+        const std::uint16_t* under = tile.step_row((shape.y + y) & wrap) + std::ptrdiff_t{shape.x & wrap} * 4;
+        std::int64_t* out = box.row(shape.y + y);
+        for (const Shapes::Segment& segment : shapes.row(shape, y))
+            for (std::int32_t x = segment.begin; x < segment.end; ++x) {
+                const std::int64_t weight = segment.weights == Shapes::Segment::all_one
+                                                ? std::int64_t{Shapes::weight_one}
+                                                : shapes.weights(segment)[x - segment.begin];
+                for (std::int32_t c = 0; c < 3; ++c)
+                    out[x * 3 + c] = weight * (std::int64_t{content[x * 4 + c]} - under[x * 4 + c]);
+            }
     }
     return box;
 }
 
 Box halved(Box& fine) {
     Box coarse{fine.x >> 1, fine.y >> 1, (fine.x + fine.width + 1) >> 1, (fine.y + fine.height + 1) >> 1};
-    for (std::int32_t y = fine.y; y < fine.y + fine.height; ++y)
+    for (std::int32_t y = fine.y; y < fine.y + fine.height; ++y) {
+        const std::int64_t* from = fine.row(y);
+        std::int64_t* to = coarse.row(y >> 1);
         for (std::int32_t x = fine.x; x < fine.x + fine.width; ++x)
-            for (std::size_t c = 0; c < 3; ++c) coarse.at(x >> 1, y >> 1)[c] += 0.25 * fine.at(x, y)[c];
+            for (std::int32_t c = 0; c < 3; ++c)
+                to[((x >> 1) - coarse.x) * 3 + c] += from[(x - fine.x) * 3 + c];
+    }
     return coarse;
+}
+
+/// The rows' columns that are not zero, as floats.
+void pack(Box& box, int level, Stamps::Level& out) {
+    const double scale = 1.0 / (double(std::int64_t{1} << (2 * level)) * Shapes::weight_one * linear_one);
+    Stamps::Stamp stamp{.y = box.y, .rows = 0, .first_span = static_cast<std::uint32_t>(out.spans.size())};
+    for (std::int32_t y = box.y; y < box.y + box.height; ++y) {
+        const std::int64_t* row = box.row(y);
+        const auto empty = [&](std::int32_t x) {
+            return row[x * 3] == 0 && row[x * 3 + 1] == 0 && row[x * 3 + 2] == 0;
+        };
+        std::int32_t begin = 0, end = box.width;
+        while (begin < end && empty(begin)) ++begin;
+        while (begin < end && empty(end - 1)) --end;
+        out.spans.push_back({box.x + begin, box.x + end, static_cast<std::uint32_t>(out.values.size() / 3)});
+        for (std::int32_t i = begin * 3; i < end * 3; ++i)
+            out.values.push_back(static_cast<float>(static_cast<double>(row[i]) * scale));
+        ++stamp.rows;
+    }
+    out.stamps.push_back(stamp);
 }
 
 }  // namespace
 
-Stamps::Stamps(const PatchMap& map, const ExemplarTexels& texels, const ColorSteps& mean) {
-    // Lay out each level: patches one after another, a patch's contents one after another
-    for (const PatchMap::Level& level : map.levels()) {
-        Level made;
-        std::size_t floats = 0;
-        if (!levels_.empty()) {
-            for (std::size_t p = 0; p < map.patches().size(); ++p) {
-                made.patch_begin.push_back(floats);
-                made.content_stride.push_back(std::size_t{level.stamp_texels[p]} * 3);
-                floats += made.content_stride.back() * texels.content_count(p);
-            }
-            made.values.resize(floats + 16);  // kernels read whole vectors
-        }
-        levels_.push_back(std::move(made));
+TileLevels::TileLevels(const TexelSource& tile) {
+    const std::int32_t side = tile.height;
+    std::vector<std::int64_t> sums(std::size_t(side) * std::size_t(side) * 3);
+    for (std::int32_t y = 0; y < side; ++y)
+        for (std::int32_t x = 0; x < side; ++x)
+            for (std::int32_t c = 0; c < 3; ++c)
+                sums[(std::size_t(y) * std::size_t(side) + std::size_t(x)) * 3 + std::size_t(c)] =
+                    tile.step_row(y)[x * 4 + c];
+    levels_.emplace_back();
+    levels_[0].side = side;
+    for (std::int32_t fine = side; fine > 1; fine /= 2) {
+        Level level;
+        level.side = fine / 2;
+        level.stride = level.side + std::max(repeat, level.side);
+        std::vector<std::int64_t> coarse(std::size_t(level.side) * std::size_t(level.side) * 3);
+        for (std::int32_t y = 0; y < fine; ++y)
+            for (std::int32_t x = 0; x < fine; ++x)
+                for (std::size_t c = 0; c < 3; ++c)
+                    coarse[(std::size_t(y / 2) * std::size_t(level.side) + std::size_t(x / 2)) * 3 + c] +=
+                        sums[(std::size_t(y) * std::size_t(fine) + std::size_t(x)) * 3 + c];
+        sums = std::move(coarse);
+        const double texels = double(side / level.side) * double(side / level.side);
+        for (std::int32_t y = 0; y < level.side; ++y)
+            for (std::int32_t x = 0; x < level.stride; ++x)
+                for (std::size_t c = 0; c < 3; ++c)
+                    level.values.push_back(static_cast<float>(
+                        static_cast<double>(
+                            sums[(std::size_t(y) * std::size_t(level.side) + std::size_t(x % level.side)) *
+                                     3 +
+                                 c]) /
+                        (texels * linear_one)));
+        levels_.push_back(std::move(level));
     }
+}
 
-    // The spans of each patch, so that a stamp is packed in one walk
-    struct Row {
-        std::int32_t y = 0;
-        PatchMap::Span span;
-    };
-    std::vector<std::vector<std::vector<Row>>> rows(levels_.size(),
-                                                    std::vector<std::vector<Row>>(map.patches().size()));
-    for (std::size_t level = 1; level < levels_.size(); ++level)
-        for (std::int32_t y = 0; y < 2 * map.levels()[level].side; ++y)
-            for (const PatchMap::Span& span : map.levels()[level].row(y))
-                rows[level][span.patch].push_back({y, span});
+void TileLevels::fill(int level, std::int64_t x, std::int64_t y, std::int32_t width,
+                      float* rgb) const noexcept {
+    const Level& in = levels_[std::size_t(level)];
+    const std::int64_t wrap = in.side - 1;
+    const float* from = row(level, static_cast<std::int32_t>(y & wrap));
+    for (std::int32_t done = 0; done < width;) {
+        const auto start = static_cast<std::int32_t>((x + done) & wrap);
+        // Whole repetitions, so that the next piece starts where this one did
+        const std::int32_t count = std::min(width - done, in.stride - in.side);
+        std::copy_n(from + std::ptrdiff_t{start} * 3, std::ptrdiff_t{count} * 3,
+                    rgb + std::ptrdiff_t{done} * 3);
+        done += count;
+    }
+}
 
-    for (std::size_t p = 0; p < map.patches().size(); ++p)
-        for (std::size_t content = 0; content < texels.content_count(p); ++content) {
-            Box box = level_0_stamp(map.patches()[p], texels.content(p, content), mean);
-            for (std::size_t level = 1; level < levels_.size(); ++level) {
-                box = halved(box);
-                float* stamp = levels_[level].values.data() + levels_[level].patch_begin[p] +
-                               content * levels_[level].content_stride[p];
-                for (const auto& [y, span] : rows[level][p])
-                    std::transform(box.at(span.begin, y), box.at(span.begin, y) + (span.end - span.begin) * 3,
-                                   stamp + std::size_t{span.offset} * 3,
-                                   [](double value) { return static_cast<float>(value); });
-            }
+std::size_t TileLevels::memory_bytes() const noexcept {
+    std::size_t bytes = 0;
+    for (const Level& level : levels_) bytes += level.values.size() * sizeof(float);
+    return bytes;
+}
+
+Stamps::Stamps(const Shapes& shapes, const TexelSource& exemplar, const TexelSource& repeated_tile,
+               int tile_level)
+    : levels_(std::size_t(tile_level) + 1) {
+    for (std::size_t s = 0; s < shapes.size(); ++s) {
+        Box box = level_0_stamp(shapes, shapes[s], exemplar, repeated_tile);
+        for (int level = 1; level <= tile_level; ++level) {
+            box = halved(box);
+            pack(box, level, levels_[std::size_t(level)]);
         }
+    }
+    for (Level& level : levels_) {
+        level.values.resize(level.values.size() + 16);  // kernels read whole vectors
+        level.values.shrink_to_fit();
+        level.spans.shrink_to_fit();
+    }
 }
 
 std::size_t Stamps::memory_bytes() const noexcept {
     std::size_t bytes = 0;
-    for (const Level& level : levels_) bytes += level.values.size() * sizeof(float);
+    for (const Level& level : levels_)
+        bytes += level.stamps.size() * sizeof(Stamp) + level.spans.size() * sizeof(Span) +
+                 level.values.size() * sizeof(float);
     return bytes;
 }
 

@@ -2,44 +2,74 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
-#include "server/texture/exemplar_texels.h"
-#include "server/texture/patch_map.h"
+#include "server/texture/shapes.h"
+#include "server/texture/texel_source.h"
 
 namespace tessera {
 
-/// A linear colour, in steps of 1/65535.
-using ColorSteps = std::array<double, 3>;
-
-/// The stamps of content exchange: for each patch p and content c the blending weight of p times (c − mean),
-/// box filtered at every level from 1 to the level where the tile is one texel, cropped to the patch map's
-/// spans and packed (Lutz et al. 2019, sections 4.2, 4.4, 4.5).
-///
-/// Departure from the paper, which stores weight·content in 8 bits: taking the tile's mean colour out leaves
-/// signed stamps whose sum is zero for a constant exemplar, exactly, whatever the rounding of the weights;
-/// and floats end the darkening by up to 18 codes that 8-bit stamps cause far away.
-class Stamps {
+/// The tile, box filtered at every level from 1 to the one where it is one texel. Rows are repeated to the
+/// right by at least `repeat` texels, so that they can be copied without wrapping.
+class TileLevels {
   public:
-    Stamps(const PatchMap& map, const ExemplarTexels& texels, const ColorSteps& mean);
+    static constexpr std::int32_t repeat = 64;
 
-    /// The stamp's first texel: RGB, linear, 1.0 is white; a span's texels are at span.offset·3.
-    const float* stamp(int level, std::size_t patch, std::size_t content) const noexcept {
+    explicit TileLevels(const TexelSource& tile);
+
+    std::int32_t side(int level) const noexcept { return levels_[std::size_t(level)].side; }
+    /// RGB, linear, 1.0 is white. `y` is below the side.
+    const float* row(int level, std::int32_t y) const noexcept {
         const Level& in = levels_[std::size_t(level)];
-        return in.values.data() + in.patch_begin[patch] + content * in.content_stride[patch];
+        return in.values.data() + std::size_t(y) * std::size_t(in.stride) * 3;
     }
+    /// Fills a row of texels from (x, y) of the infinite lattice on.
+    void fill(int level, std::int64_t x, std::int64_t y, std::int32_t width, float* rgb) const noexcept;
     std::size_t memory_bytes() const noexcept;
 
-    /// The stamps of one level.
+  private:
     struct Level {
-        std::vector<std::size_t> patch_begin;     ///< In floats.
-        std::vector<std::size_t> content_stride;  ///< In floats.
+        std::int32_t side = 0;
+        std::int32_t stride = 0;  ///< Texels from a row to the next.
         std::vector<float> values;
     };
+    std::vector<Level> levels_;  ///< [0] is empty: level 0 copies texels.
+};
+
+/// The stamps of DESIGN section 2: for each shape weight·(content − tile), signed, box filtered at every
+/// level from 1 to the one where the tile is one texel, and packed by rows (Lutz et al. 2019,
+/// sections 4.2, 4.4, 4.5; for Kolář's patches the filter that his paper lacks).
+///
+/// Departure from Lutz, who stores weight·content in 8 bits: differences from the tile are zero for a
+/// constant exemplar, exactly, whatever the rounding of the weights; and floats end the darkening by up to 18
+/// codes that 8-bit stamps cause far away.
+class Stamps {
+  public:
+    /// One row of a stamp: columns relative to the tile or unit that the shape lies on.
+    struct Span {
+        std::int32_t begin = 0, end = 0;
+        std::uint32_t offset = 0;  ///< Texels of the level's values before it.
+    };
+    struct Stamp {
+        std::int32_t y = 0;  ///< Of the first row.
+        std::uint32_t rows = 0;
+        std::uint32_t first_span = 0;
+    };
+    struct Level {
+        std::vector<Stamp> stamps;  ///< By shape.
+        std::vector<Span> spans;
+        std::vector<float> values;  ///< RGB, linear, 1.0 is white.
+    };
+
+    Stamps(const Shapes& shapes, const TexelSource& exemplar, const TexelSource& repeated_tile,
+           int tile_level);
+
     const Level& level(int level) const noexcept { return levels_[std::size_t(level)]; }
+    std::size_t memory_bytes() const noexcept;
 
   private:
-    std::vector<Level> levels_;  ///< [0] is empty: level 0 blends exemplar texels.
+    std::vector<Level> levels_;  ///< [0] is empty: level 0 blends texels.
 };
 
 }  // namespace tessera

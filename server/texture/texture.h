@@ -52,8 +52,7 @@ class Texture {
                                         Rgba8Image& out) const;
 
     /// Whether texels are numbers and no colours.
-    virtual bool is_data() const noexcept { return false; }
-    virtual TexelKind texel_kind() const noexcept { return is_data() ? TexelKind::data : TexelKind::color; }
+    virtual TexelKind texel_kind() const noexcept { return TexelKind::color; }
 
     /// "constant", "checker", "content_exchange": the field of proto::Scene.
     virtual std::string_view kind() const noexcept = 0;

@@ -1,16 +1,17 @@
 #include "tests/support/synthetic_asset.h"
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "shared/math/hash.h"
 
 namespace tessera::tests {
 namespace {
 
-Rgb8Image noise(std::int32_t side, std::uint64_t seed, int constant_code) {
-    Rgb8Image image{side, side, {}};
-    for (std::int32_t y = 0; y < side; ++y)
-        for (std::int32_t x = 0; x < side; ++x)
+Rgb8Image noise(std::int32_t width, std::int32_t height, std::uint64_t seed, int constant_code) {
+    Rgb8Image image{width, height, {}};
+    for (std::int32_t y = 0; y < height; ++y)
+        for (std::int32_t x = 0; x < width; ++x)
             for (std::uint64_t c = 0; c < 3; ++c) {
                 // Blotches of eight texels and grain on top
                 const std::uint64_t blotch = hash(seed, stream("blotch", c), x / 8, y / 8) >> 57;
@@ -34,8 +35,8 @@ ExchangeAsset make_synthetic_asset(const SyntheticAssetOptions& options) {
     ExchangeAsset asset;
     asset.tile_side = side;
     asset.blend_texels = options.blend_texels;
-    asset.tile = noise(side, options.seed + 1, options.constant_code);
-    asset.exemplar = noise(side * 2, options.seed, options.constant_code);
+    asset.tile = noise(side, side, options.seed + 1, options.constant_code);
+    asset.exemplar = noise(side * 2, side * 2, options.seed, options.constant_code);
 
     std::int32_t columns = 1;
     while (columns * columns < options.patches) ++columns;
@@ -83,9 +84,93 @@ ExchangeAsset make_synthetic_asset(const SyntheticAssetOptions& options) {
                    static_cast<std::int32_t>(uniform_below(
                        hash(options.seed, stream("place", axis), static_cast<std::int64_t>(p), i), room));
         };
-        for (std::int32_t i = 1; i < options.contents; ++i)
-            patch.contents.push_back({{place(patch.width, 0, i), place(patch.height, 1, i)}, {}});
+        const BitMask whole = region_of_patch(asset, p);
+        for (std::int32_t i = 1; i < options.contents; ++i) {
+            BitMask shape{whole.width, whole.height};
+            for (std::int32_t y = 0; y < shape.height; ++y)
+                for (std::int32_t x = 0; x < shape.width; ++x)
+                    if (whole.at(x, y) && (i % 2 == 0 || (x + i) % 7 != 0 || y % 5 > 1)) shape.set(x, y);
+            patch.contents.push_back(
+                {{place(patch.width, 0, i), place(patch.height, 1, i)}, std::move(shape)});
+        }
     }
+    return asset;
+}
+
+BitMask region_of_patch(const ExchangeAsset& asset, std::size_t patch) {
+    const auto& box = asset.patches[patch];
+    const std::int32_t wrap = asset.tile_side - 1;
+    BitMask region{box.width, box.height};
+    for (std::int32_t y = 0; y < box.height; ++y)
+        for (std::int32_t x = 0; x < box.width; ++x)
+            if (asset.labels[std::size_t(((box.y + y) & wrap) * asset.tile_side + ((box.x + x) & wrap))] ==
+                patch)
+                region.set(x, y);
+    return region;
+}
+
+ExchangeAsset make_synthetic_interchange(const SyntheticAssetOptions& options) {
+    const std::int32_t side = options.tile_side, margin = options.blend_texels / 2;
+    ExchangeAsset asset;
+    asset.method = ExchangeMethod::interchange;
+    asset.tile_side = side;
+    asset.blend_texels = options.blend_texels;
+    asset.tile = noise(side, side, options.seed + 1, options.constant_code);
+    asset.exemplar = noise(side * 2, side * 2, options.seed, options.constant_code);
+    for (std::int32_t i = 0; i < options.patches; ++i) {
+        const auto draw = [&](std::uint64_t what, std::int32_t below) {
+            return static_cast<std::int32_t>(uniform_below(hash(options.seed, stream("piece", what), i, 0),
+                                                           static_cast<std::uint32_t>(below)));
+        };
+        ExchangeAsset::Patch patch;
+        patch.width = 3 + draw(0, side / (i % 4 == 0 ? 2 : 6));
+        patch.height = i % 3 == 0 ? patch.width : 3 + draw(1, side / 4);
+        patch.x = -side / 2 + draw(2, 2 * side - patch.width + 1);
+        patch.y = -side / 2 + draw(3, 2 * side - patch.height + 1);
+        BitMask shape{patch.width, patch.height};
+        bool inside = true;
+        for (std::int32_t y = 0; y < patch.height; ++y)
+            for (std::int32_t x = 0; x < patch.width; ++x) {
+                const std::int32_t dx = 2 * x + 1 - patch.width, dy = 2 * y + 1 - patch.height;
+                if (i % 3 == 0 && dx * dx + dy * dy > patch.width * patch.width) continue;
+                shape.set(x, y);
+                inside &= std::abs(2 * (patch.x + x) + 1 - side) + std::abs(2 * (patch.y + y) + 1 - side) <=
+                          2 * side;
+            }
+        if (!inside) continue;
+        // Set a keeps to its tile, set b to the middle of it: neither ever meets the other on a neighbour
+        const bool within =
+            patch.x >= 0 && patch.y >= 0 && patch.x + patch.width <= side && patch.y + patch.height <= side;
+        patch.set = !within      ? ExchangeAsset::Set::none
+                    : i % 2 == 0 ? ExchangeAsset::Set::a
+                                 : ExchangeAsset::Set::b;
+        patch.contents.push_back({{margin + draw(4, 2 * side - patch.width - 2 * margin + 1),
+                                   margin + draw(5, 2 * side - patch.height - 2 * margin + 1)},
+                                  std::move(shape)});
+        asset.patches.push_back(std::move(patch));
+    }
+    return asset;
+}
+
+ExchangeAsset make_synthetic_wang(const SyntheticAssetOptions& options) {
+    const std::int32_t side = options.tile_side;
+    ExchangeAsset asset;
+    asset.method = ExchangeMethod::wang;
+    asset.tile_side = side;
+    asset.tile = noise(side, side, options.seed + 1, options.constant_code);
+    asset.exemplar = noise(side * 4, side * 4, options.seed, options.constant_code);
+    ExchangeAsset::Patch patch;
+    patch.width = patch.height = side;
+    for (std::uint8_t tile = 1; tile < 16; ++tile) {
+        BitMask shape{side, side};
+        for (std::int32_t y = 0; y < side; ++y)
+            for (std::int32_t x = 0; x < side; ++x) shape.set(x, y);
+        ExchangeAsset::Content content{{tile % 4 * side, tile / 4 * side}, std::move(shape)};
+        content.corners = static_cast<std::uint8_t>((tile & 1) | (tile >> 1 & 1) << 2 | (tile >> 2 & 1) << 4 |
+                                                    tile >> 3 << 6);
+        patch.contents.push_back(std::move(content));
+    }
+    asset.patches.push_back(std::move(patch));
     return asset;
 }
 

@@ -32,31 +32,60 @@ TEST(Kernels, EncodeClampsAndRoundsLikeTheTableForEveryWidth) {
     }
 }
 
-TEST(Kernels, BlendIsTheWeightedSum) {
+TEST(Kernels, BlendAddsTheWeightedDifferenceFromTheTile) {
     constexpr std::int32_t width = 37;
-    std::vector<std::uint16_t> steps[3], weights[3];
-    for (std::int64_t t = 0; t < 3; ++t)
-        for (std::int64_t i = 0; i < (width + 3) / 4 * 16; ++i) {
-            steps[t].push_back(static_cast<std::uint16_t>(random(i, t)));
-            weights[t].push_back(
-                static_cast<std::uint16_t>(random(i, t + 10) % 10923));  // three sum to less than one
+    std::vector<std::uint16_t> tile, content[2], weights[2];
+    for (std::int64_t i = 0; i < width * 4; ++i) {
+        tile.push_back(static_cast<std::uint16_t>(random(i)));
+        for (std::int64_t t = 0; t < 2; ++t) {
+            content[t].push_back(static_cast<std::uint16_t>(random(i, t)));
+            // Two sum to no more than one
+            if (i < width) weights[t].push_back(static_cast<std::uint16_t>(random(i, t + 10) % 16385));
         }
-    const Kernels::BlendTerm terms[] = {{steps[0].data(), weights[0].data()},
-                                        {steps[1].data(), weights[1].data()},
-                                        {steps[2].data(), weights[2].data()}};
+    }
     for (std::size_t k = 0; k < available_kernels().count; ++k) {
         const Kernels& kernel = *available_kernels().items[k];
-        std::vector<std::uint32_t> sums(std::size_t(width + 3) * 4);
-        kernel.blend(terms, 3, width, sums.data());
-        for (std::size_t i = 0; i < std::size_t{width} * 4; ++i) {
-            std::uint32_t expected = 0;
-            for (std::size_t t = 0; t < 3; ++t) expected += std::uint32_t{steps[t][i]} * weights[t][i];
-            ASSERT_EQ(sums[i], expected) << kernel.name;
-        }
+        std::vector<std::int32_t> sums(std::size_t{width} * 4);
+        for (std::size_t t = 0; t < 2; ++t)
+            kernel.blend(content[t].data(), tile.data(), weights[t].data(), width, sums.data());
         std::vector<std::uint8_t> rgba(std::size_t{width} * 4);
-        kernel.encode_sums(sums.data(), width, rgba.data());
-        for (std::size_t i = 0; i < rgba.size(); ++i)
-            ASSERT_EQ(rgba[i], i % 4 == 3 ? 255 : steps_to_srgb()[(sums[i] + 16384) / 32768]) << kernel.name;
+        kernel.encode_blended(sums.data(), tile.data(), width, rgba.data());
+        for (std::size_t i = 0; i < sums.size(); ++i) {
+            const std::int64_t first = weights[0][i / 4], second = weights[1][i / 4];
+            const std::int64_t blended =
+                first * content[0][i] + second * content[1][i] + (32768 - first - second) * tile[i];
+            ASSERT_EQ(sums[i], blended - std::int64_t{32768} * tile[i]) << kernel.name;
+            ASSERT_EQ(rgba[i], i % 4 == 3 ? 255 : steps_to_srgb()[std::size_t((blended + 16384) / 32768)])
+                << kernel.name;
+        }
+    }
+}
+
+TEST(Kernels, SpansAreAddedWhereTheyFallInsideTheRow) {
+    const Stamps::Span spans[] = {{-4, 9, 0}, {2, 2, 13}, {3, 8, 13}};
+    std::vector<float> values;
+    for (std::int64_t i = 0; i < 18 * 3 + 16; ++i) values.push_back(float(random(i) >> 50) / 1024.0F);
+    for (std::size_t k = 0; k < available_kernels().count; ++k) {
+        const Kernels& kernel = *available_kernels().items[k];
+        for (std::int64_t x = -12; x < 12; ++x) {
+            constexpr std::int32_t width = 7;
+            std::vector<float> rgb(std::size_t{width} * 3 * 3, 0.25F);
+            std::size_t expected_count = 0;
+            const std::size_t count =
+                kernel.add_spans(spans, 3, values.data(), x, width, rgb.data(), width * 3);
+            for (std::int32_t row = 0; row < 3; ++row)
+                for (std::int32_t column = 0; column < width; ++column) {
+                    const bool inside = column - x >= spans[row].begin && column - x < spans[row].end;
+                    expected_count += inside ? 1 : 0;
+                    const auto from = static_cast<std::size_t>(std::int64_t{spans[row].offset} + column - x -
+                                                               spans[row].begin);
+                    for (std::size_t c = 0; c < 3; ++c)
+                        ASSERT_EQ(rgb[std::size_t(row * width + column) * 3 + c],
+                                  0.25F + (inside ? values[from * 3 + c] : 0.0F))
+                            << kernel.name;
+                }
+            EXPECT_EQ(count, expected_count);
+        }
     }
 }
 

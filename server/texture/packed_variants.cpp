@@ -1,0 +1,210 @@
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
+#include <thread>
+
+#include "server/texture/unit_choice.h"
+#include "shared/math/hash.h"
+
+namespace tessera {
+namespace {
+
+/// A unit's outline. A texel (x, y) of the plane belongs to the unit whose number is
+/// (⌊(x − right(y)) / side⌋, ⌊(y − down(x)) / side⌋): units are translates of one another, whatever the two
+/// curves are, and cover the plane. Curves wander over half a tile, so that what lies along them, where no
+/// patch ever crosses, falls on other places of the tile in every tile.
+class Outline {
+  public:
+    /// `side`: of the unit; `tile`: of its tiles; values from `least` on, so that blended shapes begin
+    /// inside.
+    Outline(std::uint64_t seed, std::int32_t side, std::int32_t tile, std::int32_t least)
+        : right_{curve(seed, 0, side, tile, least)}, down_{curve(seed, 1, side, tile, least)}, side_{side} {}
+
+    /// 0 ≤ x, y < 2·side.
+    bool holds(std::int32_t x, std::int32_t y) const noexcept {
+        const std::int32_t u = x - right_[std::size_t(y % side_)], v = y - down_[std::size_t(x % side_)];
+        return u >= 0 && u < side_ && v >= 0 && v < side_;
+    }
+
+  private:
+    /// A periodic curve through hashed heights, four to a tile, straight in between.
+    static std::vector<std::int32_t> curve(std::uint64_t seed, std::uint64_t axis, std::int32_t side,
+                                           std::int32_t tile, std::int32_t least) {
+        const std::int32_t step = std::max(1, tile / 4);
+        const std::int32_t knots = side / step;
+        const auto height = [&](std::int32_t knot) {
+            return least + static_cast<std::int32_t>(
+                               uniform_below(hash(seed, stream("unit outline", axis), knot % knots, 0),
+                                             static_cast<std::uint32_t>(tile / 2)));
+        };
+        std::vector<std::int32_t> out;
+        for (std::int32_t i = 0; i < side; ++i) {
+            const std::int32_t a = height(i / step), b = height(i / step + 1);
+            out.push_back(a + (b - a) * (i % step) / step);
+        }
+        return out;
+    }
+
+    std::vector<std::int32_t> right_, down_;
+    std::int32_t side_;
+};
+
+/// Which texels of a unit and of what hangs over it are taken: rows of 64-bit words, one word more than
+/// needed.
+class Ground {
+  public:
+    Ground(std::int32_t width, std::int32_t height)
+        : words_(std::size_t(width) / 64 + 2), bits_(words_ * std::size_t(height)) {}
+
+    void take(std::int32_t x, std::int32_t y) noexcept {
+        bits_[std::size_t(y) * words_ + std::size_t(x) / 64] |= std::uint64_t{1} << x % 64;
+    }
+    std::uint64_t* row(std::int32_t y) noexcept { return bits_.data() + std::size_t(y) * words_; }
+
+  private:
+    std::size_t words_;
+    std::vector<std::uint64_t> bits_;
+};
+
+/// A shape's texels without blending, ready to be laid on the ground.
+struct Piece {
+    std::uint16_t shape = 0;
+    std::int32_t x = 0, y = 0;  ///< On the tile, 0 to side − 1.
+    std::int32_t words = 0;     ///< A row's.
+    std::int32_t height = 0;
+    std::vector<std::uint64_t> bits;
+    int size_class = 0;  ///< log2 of its texels.
+};
+
+std::vector<Piece> pieces_of(const ExchangeAsset& asset, const Shapes& shapes) {
+    std::vector<Piece> pieces;
+    for (std::size_t s = 0; s < shapes.size(); ++s) {
+        const ExchangeAsset::Patch& patch = asset.patches[shapes[s].patch];
+        const BitMask& mask = patch.contents[shapes[s].content].shape;
+        Piece piece;
+        piece.shape = static_cast<std::uint16_t>(s);
+        piece.x = patch.x & (asset.tile_side - 1);
+        piece.y = patch.y & (asset.tile_side - 1);
+        piece.words = (mask.width + 63) / 64;
+        piece.height = mask.height;
+        piece.bits.resize(std::size_t(piece.words) * std::size_t(mask.height));
+        std::uint32_t texels = 0;
+        for (std::int32_t y = 0; y < mask.height; ++y)
+            for (std::int32_t x = 0; x < mask.width; ++x)
+                if (mask.at(x, y)) {
+                    piece.bits[std::size_t(y * piece.words + x / 64)] |= std::uint64_t{1} << x % 64;
+                    ++texels;
+                }
+        piece.size_class = std::bit_width(texels);
+        pieces.push_back(std::move(piece));
+    }
+    return pieces;
+}
+
+/// Whether the piece lies on free ground only.
+bool fits(const Piece& piece, std::int32_t x, std::int32_t y, Ground& ground) {
+    const int shift = x % 64;
+    for (std::int32_t row = 0; row < piece.height; ++row) {
+        const std::uint64_t* from = piece.bits.data() + std::ptrdiff_t{row} * piece.words;
+        const std::uint64_t* to = ground.row(y + row) + x / 64;
+        for (std::int32_t w = 0; w < piece.words; ++w) {
+            if ((from[w] << shift & to[w]) != 0) return false;
+            if (shift > 0 && (from[w] >> (64 - shift) & to[w + 1]) != 0) return false;
+        }
+    }
+    return true;
+}
+
+void lay(const Piece& piece, std::int32_t x, std::int32_t y, Ground& ground) {
+    const int shift = x % 64;
+    for (std::int32_t row = 0; row < piece.height; ++row) {
+        const std::uint64_t* from = piece.bits.data() + std::ptrdiff_t{row} * piece.words;
+        std::uint64_t* to = ground.row(y + row) + x / 64;
+        for (std::int32_t w = 0; w < piece.words; ++w) {
+            to[w] |= from[w] << shift;
+            if (shift > 0) to[w + 1] |= from[w] >> (64 - shift);
+        }
+    }
+}
+
+}  // namespace
+
+/// Kolář lets every tile draw its patches, and keeps what one tile shows off what its neighbours may show by
+/// two sets and a rhombus (section 4.1); whatever no patch may cross, the corners first of all, then shows in
+/// every tile. Here a unit of 4 × 4 tiles is decided at once, where any patch may lie on any tile, whatever
+/// its set; nothing crosses the unit's outline, and that lies on other places of the tile in every tile it
+/// crosses.
+///
+/// A list is maximal: patches are tried in a random order, large ones first, and shown if they overlap none
+/// that is shown already. The paper draws few (η = 10 / |patches|) and thins them out (algorithm 2), which
+/// leaves more of the repeating tile in sight.
+Variants packed_variants(const ExchangeAsset& asset, const Shapes& shapes, std::uint64_t seed,
+                         std::uint32_t types) {
+    constexpr std::int32_t unit_tiles = 4;
+    constexpr std::uint64_t order_stream = stream("order of patches");
+    const std::int32_t tile = asset.tile_side, side = unit_tiles * tile;
+    const std::vector<Piece> pieces = pieces_of(asset, shapes);
+
+    // Everything outside the outline is taken
+    const Outline outline{seed, side, tile, shapes.radius()};
+    std::int32_t reach = 0;
+    for (const Piece& piece : pieces) reach = std::max({reach, piece.words * 64, piece.height});
+    const std::int32_t ground_side = side + tile + reach;
+    Ground bare{ground_side, ground_side};
+    for (std::int32_t y = 0; y < ground_side; ++y)
+        for (std::int32_t x = 0; x < ground_side; ++x)
+            if (x >= 2 * side || y >= 2 * side || !outline.holds(x, y)) bare.take(x, y);
+
+    // Every place where a patch fits if it is alone, by size
+    struct Place {
+        std::uint32_t piece = 0;
+        std::int8_t tile_x = 0, tile_y = 0;
+    };
+    std::array<std::vector<Place>, 33> by_size;
+    for (std::size_t i = 0; i < pieces.size(); ++i)
+        for (std::int8_t ty = 0; ty <= unit_tiles; ++ty)
+            for (std::int8_t tx = 0; tx <= unit_tiles; ++tx)
+                if (fits(pieces[i], pieces[i].x + tx * tile, pieces[i].y + ty * tile, bare))
+                    by_size[std::size_t(pieces[i].size_class)].push_back(
+                        {static_cast<std::uint32_t>(i), tx, ty});
+
+    std::vector<std::vector<Shown>> lists(types);
+    const auto pack = [&](std::uint32_t type) {
+        Ground ground = bare;
+        std::uint64_t draw = 0;
+        for (auto size = by_size.rbegin(); size != by_size.rend(); ++size) {
+            std::vector<Place> places = *size;
+            for (std::size_t i = 0; i < places.size(); ++i, ++draw) {
+                const std::uint32_t left = static_cast<std::uint32_t>(places.size() - i);
+                std::swap(
+                    places[i],
+                    places[i + uniform_below(hash(seed, order_stream, type, static_cast<std::int64_t>(draw)),
+                                             left)]);
+                const Piece& piece = pieces[places[i].piece];
+                const std::int32_t x = piece.x + places[i].tile_x * tile,
+                                   y = piece.y + places[i].tile_y * tile;
+                if (!fits(piece, x, y, ground)) continue;
+                lay(piece, x, y, ground);
+                lists[type].push_back({piece.shape, places[i].tile_x, places[i].tile_y});
+            }
+        }
+    };
+    std::atomic<std::uint32_t> next{0};
+    const auto run = [&] {
+        for (std::uint32_t type = next++; type < types; type = next++) pack(type);
+    };
+    {
+        std::vector<std::jthread> helpers;
+        for (unsigned i = 1; i < std::max(1u, std::thread::hardware_concurrency()); ++i)
+            helpers.emplace_back(run);
+        run();
+    }
+
+    Variants variants;
+    variants.unit_tiles = unit_tiles;
+    for (const auto& list : lists) variants.add(list);
+    return variants;
+}
+
+}  // namespace tessera
