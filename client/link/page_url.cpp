@@ -31,15 +31,14 @@ std::string page_target(std::string_view scene_id, Extent extent, PageKey page, 
     target += '.';
     target += extension(options.format);
     char separator = '?';
-    if (options.gutter != 0) {
-        target += "?gutter=" + std::to_string(options.gutter);
-        separator = '&';
-    }
-    if (options.accuracy != Accuracy::high) {
+    const auto add = [&](std::string_view name, std::string_view value) {
         target += separator;
-        target += "accuracy=";
-        target += name_of(options.accuracy);
-    }
+        target.append(name).append(1, '=').append(value);
+        separator = '&';
+    };
+    if (options.gutter != 0) add("gutter", std::to_string(options.gutter));
+    if (options.accuracy != Accuracy::high) add("accuracy", name_of(options.accuracy));
+    if (options.channels != ChannelSet::albedo) add("channels", name_of(options.channels));
     return target;
 }
 

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "shared/page/accuracy.h"
+#include "shared/page/channel_set.h"
 #include "shared/page/page_format.h"
 #include "shared/page/page_key.h"
 #include "shared/result/result.h"
@@ -15,7 +16,8 @@ namespace tessera {
 struct FetchOptions {
     PageFormat format = PageFormat::rgba;
     std::int32_t gutter = 0;             ///< Texels around the page, 0 to the scene's max_gutter.
-    Accuracy accuracy = Accuracy::high;  ///< The server's own default.
+    Accuracy accuracy = Accuracy::high;  ///< The server's own default, as is the next.
+    ChannelSet channels = ChannelSet::albedo;
     bool operator==(const FetchOptions&) const = default;
 };
 
@@ -25,8 +27,9 @@ std::string percent_encoded(std::string_view text);
 /// The path of a scene's TileJSON.
 std::string scene_target(std::string_view scene_id);
 
-/// The path and query of a page as it is now: /scenes/{id}/{z}/{x}/{y}.{ending}?gutter=G&accuracy=…, with
-/// what is not the default. `page` lies in `extent`.
+/// The path and query of a page as it is now:
+/// /scenes/{id}/{z}/{x}/{y}.{ending}?gutter=G&accuracy=…&channels=…, with what is not the default. `page`
+/// lies in `extent`.
 std::string page_target(std::string_view scene_id, Extent extent, PageKey page, const FetchOptions& options);
 
 }  // namespace tessera

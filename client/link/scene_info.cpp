@@ -41,6 +41,8 @@ Result<SceneInfo> parse_scene_info(std::string_view json, std::string_view where
     info.revision = texture.revision();
     info.fingerprint = texture.fingerprint();
     info.formats.assign(texture.formats().begin(), texture.formats().end());
+    info.channels.assign(texture.channels().begin(), texture.channels().end());
+    if (info.channels.empty()) info.channels.emplace_back(name_of(ChannelSet::albedo));
     info.texture = texture.texture();
     return info;
 }

@@ -26,7 +26,9 @@ struct SceneInfo {
     std::uint64_t revision = 0;        ///< Accepted edits so far.
     std::string fingerprint;           ///< Changes with scene, assets and the evaluator's version.
     std::vector<std::string> formats;  ///< Endings of pages, as in "png".
-    std::string texture;               ///< The kind of texture, as in "checker".
+    std::vector<std::string>
+        channels;         ///< Channel sets, as in "albedo"; a server that names none has that one.
+    std::string texture;  ///< The kind of texture, as in "checker".
 };
 
 /// Reads a scene's TileJSON; `where` names its source in errors. Fields that we do not know are skipped; a

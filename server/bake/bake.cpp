@@ -64,10 +64,10 @@ class Band {
     std::vector<float> floats_;
 };
 
-OIIO::ImageSpec spec_for(const fs::path& ending, std::int32_t width, std::int32_t height) {
+OIIO::ImageSpec spec_for(const fs::path& ending, TexelKind kind, std::int32_t width, std::int32_t height) {
     const bool linear = ending == ".exr", tiled = ending == ".tx";
     OIIO::ImageSpec spec{width, height, 4, linear ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::UINT8};
-    spec.attribute("oiio:ColorSpace", linear ? "Linear" : "sRGB");
+    spec.attribute("oiio:ColorSpace", kind == TexelKind::data ? "Raw" : linear ? "Linear" : "sRGB");
     if (ending == ".png") spec.attribute("oiio:UnassociatedAlpha", 1);
     if (tiled) {
         spec.tile_width = spec.tile_height = band_rows;
@@ -136,7 +136,8 @@ Result<void> bake(const Texture& texture, const TexelRegion& region, const Budge
                                                    level.y / 2, level.width / 2, level.height / 2}) {
             // TIFF keeps MIP levels as further images; readers of textures know them by "textureformat"
             const auto mode = level == region ? OIIO::ImageOutput::Create : OIIO::ImageOutput::AppendSubimage;
-            if (!out->open(partial.string(), spec_for(file.extension(), level.width, level.height), mode))
+            if (!out->open(partial.string(),
+                           spec_for(file.extension(), texture.texel_kind(), level.width, level.height), mode))
                 return Error{ErrorCode::io_failure, file.string() + ": " + out->geterror()};
             const auto rows_done = [&](std::int64_t rows) {
                 done += rows;

@@ -16,8 +16,8 @@ inline constexpr std::int64_t max_bake_side = std::int64_t{1} << 18;
 ///   .png  8-bit sRGB, straight alpha
 ///   .exr  half floats, linear, premultiplied
 ///   .tx   tiled TIFF for renderers, 8-bit sRGB, with every MIP level down to one texel, each evaluated and
-///   not
-///         reduced; the region must be a square of 2^k texels at a multiple of its side
+///         not reduced; the region must be a square of 2^k texels at a multiple of its side
+/// TexelKind::data has no sRGB coding in any of them, and the files do not claim one.
 /// The file appears whole or not at all. `progress` is told the share that is done, 0 to 1.
 /// Errors: invalid_input, io_failure, and the texture's own.
 Result<void> bake(const Texture& texture, const TexelRegion& region, const Budget& budget,

@@ -23,6 +23,7 @@ struct Arguments {
     std::string output;
     std::string region;
     std::string accuracy = "exact";
+    std::string channels{name_of(ChannelSet::albedo)};
     std::uint32_t level = 0, x = 0, y = 0;
     std::int32_t gutter = 0;
     bool quiet = false;
@@ -39,6 +40,14 @@ Result<void> write_file(const std::string& file, const std::vector<std::uint8_t>
     std::error_code ignored;
     std::filesystem::remove(partial, ignored);
     return Error{ErrorCode::io_failure, file + ": cannot be written"};
+}
+
+/// The texture of the channel set asked for.
+Result<const Texture*> texture_of(const Scene& scene, const std::string& channels) {
+    const auto set = channel_set_named(channels);
+    if (const Texture* const texture = set ? scene.texture_of(*set) : nullptr) return texture;
+    return Error{ErrorCode::invalid_input,
+                 "--channels: the scene has no \"" + channels + "\"; it has " + scene.channel_names()};
 }
 
 Result<void> run_page(const Arguments& arguments) {
@@ -60,11 +69,13 @@ Result<void> run_page(const Arguments& arguments) {
                       std::to_string(extent.side_pages(static_cast<std::uint8_t>(arguments.level)) - 1) +
                       " on level " + std::to_string(arguments.level)};
     const PageKey page{static_cast<std::uint8_t>(arguments.level), arguments.x, arguments.y};
+    const auto texture = texture_of(**scene, arguments.channels);
+    if (!texture) return texture.error();
     Rgba8Image texels;
-    const auto evaluation = (*scene)->texture->evaluate(
+    const auto evaluation = (*texture)->evaluate(
         region_of(page, arguments.gutter), Budget{.accuracy = *accuracy_named(arguments.accuracy)}, texels);
     if (!evaluation) return evaluation.error();
-    const auto bytes = encode_page(texels, *format);
+    const auto bytes = encode_page(texels, *format, (*texture)->texel_kind());
     if (!bytes) return bytes.error();
     if (auto written = write_file(arguments.output, *bytes); !written) return written;
     if (!arguments.quiet)
@@ -104,10 +115,12 @@ Result<void> run_bake(const Arguments& arguments) {
     if (!region) return region.error();
     const auto scene = load_scene(arguments.scene);
     if (!scene) return scene.error();
+    const auto texture = texture_of(**scene, arguments.channels);
+    if (!texture) return texture.error();
     const Interrupt interrupt;
     TerminalProgress progress{"tessera bake", {{"baking", 1.0}}, arguments.quiet, interrupt.token()};
     const auto baked =
-        bake(*(*scene)->texture, *region,
+        bake(**texture, *region,
              Budget{.accuracy = *accuracy_named(arguments.accuracy), .cancelled = interrupt.token()},
              arguments.output, [&](double done) { progress.advance("baking", done); });
     if (!baked && baked.error().code == ErrorCode::cancelled)
@@ -129,7 +142,13 @@ Result<void> run_check(const Arguments& arguments) {
     std::string plan = s.texture->description();
     if (!plan.ends_with('\n')) plan += '\n';
     std::printf("%s", plan.c_str());
-    std::printf("memory: %.1f MiB\n", double(s.texture->memory_bytes()) / (1 << 20));
+    std::size_t bytes = s.texture->memory_bytes();
+    for (const Channels& channels : s.channels) {
+        std::printf("%s\n", channels.texture->description().c_str());
+        bytes += channels.texture->memory_bytes();
+    }
+    std::printf("channels: %s\n", s.channel_names().c_str());
+    std::printf("memory: %.1f MiB\n", double(bytes) / (1 << 20));
     return {};
 }
 
@@ -148,6 +167,10 @@ void add_output(CLI::App& command, Arguments& arguments, const char* help) {
     command.add_option("-o,--output", arguments.output, help)->required();
     command.add_option("--accuracy", arguments.accuracy, "How much error is allowed")
         ->check(CLI::IsMember({"exact", "high", "fast"}))
+        ->capture_default_str();
+    command
+        .add_option("--channels", arguments.channels,
+                    "What to show of the surface: albedo, normal, roughness, height or moments")
         ->capture_default_str();
     command.add_flag("-q,--quiet", arguments.quiet, "Say nothing but errors");
 }

@@ -111,7 +111,7 @@ Parsed<PageAddress> page_address(const std::vector<std::string>& segments) {
 
 Parsed<PageQuery> page_query(std::string_view query) {
     PageQuery result;
-    bool has_gutter = false, has_accuracy = false;
+    bool has_gutter = false, has_accuracy = false, has_channels = false;
     while (!query.empty()) {
         const std::size_t end = std::min(query.find('&'), query.size());
         const std::string_view item = query.substr(0, end);
@@ -130,8 +130,13 @@ Parsed<PageQuery> page_query(std::string_view query) {
             if (!accuracy) return malformed("accuracy: exact, high or fast");
             if (std::exchange(has_accuracy, true)) return malformed("accuracy: is given twice");
             result.accuracy = *accuracy;
+        } else if (name == "channels") {
+            const auto channels = channel_set_named(value);
+            if (!channels) return malformed("channels: albedo, normal, roughness, height or moments");
+            if (std::exchange(has_channels, true)) return malformed("channels: is given twice");
+            result.channels = *channels;
         } else {
-            return malformed("unknown parameter; pages take gutter and accuracy");
+            return malformed("unknown parameter; pages take gutter, accuracy and channels");
         }
     }
     return result;
@@ -139,11 +144,13 @@ Parsed<PageQuery> page_query(std::string_view query) {
 
 std::string PageQuery::canonical() const {
     std::string text;
-    if (gutter != 0) text += "?gutter=" + std::to_string(gutter);
-    if (accuracy != Accuracy::high) {
+    const auto add = [&text](std::string_view name, std::string_view value) {
         text += text.empty() ? '?' : '&';
-        text += accuracy == Accuracy::exact ? "accuracy=exact" : "accuracy=fast";
-    }
+        text.append(name).append(1, '=').append(value);
+    };
+    if (gutter != 0) add("gutter", std::to_string(gutter));
+    if (accuracy != Accuracy::high) add("accuracy", name_of(accuracy));
+    if (channels != ChannelSet::albedo) add("channels", name_of(channels));
     return text;
 }
 

@@ -10,6 +10,7 @@
 
 #include "server/http/refusal.h"
 #include "server/pages/page_request.h"
+#include "shared/page/channel_set.h"
 
 namespace tessera {
 
@@ -39,13 +40,14 @@ struct PageAddress {
 bool is_page_address(const std::vector<std::string>& segments) noexcept;
 Parsed<PageAddress> page_address(const std::vector<std::string>& segments);
 
-/// `gutter` and `accuracy`, each at most once and nothing else.
+/// `gutter`, `accuracy` and `channels`, each at most once and nothing else.
 struct PageQuery {
     std::uint8_t gutter = 0;
     Accuracy accuracy = Accuracy::high;
+    ChannelSet channels = ChannelSet::albedo;  ///< That the scene has it is for others to check.
 
-    /// The one way to write it, with its '?', or nothing: names in the order gutter, accuracy; defaults left
-    /// out.
+    /// The one way to write it, with its '?', or nothing: names in the order gutter, accuracy, channels;
+    /// defaults left out.
     std::string canonical() const;
 };
 Parsed<PageQuery> page_query(std::string_view query);

@@ -121,6 +121,7 @@ std::string page_prelude(const EncodedPage& page) {
     field("Tessera-Confidence", decimal(page.evaluation.confidence));
     field("Tessera-Work", std::to_string(page.evaluation.work));
     field("Tessera-Accuracy", name_of(page.options.accuracy));
+    field("Tessera-Channels", name_of(page.options.channels));
     field("Tessera-Revision", std::to_string(page.revision));
     field("Tessera-Level", std::to_string(page.key.level));
     text += prelude_of_text;

@@ -50,6 +50,8 @@ std::string describe_tiles(const Scene& scene, std::string_view origin) {
     info.set_page_url("/scenes/" + scene.id + "/r" + std::to_string(scene.revision) + "-" +
                       scene.fingerprint + "/{z}/{x}/{y}");
     info.set_texture(std::string{scene.texture->kind()});
+    info.add_channels(std::string{name_of(ChannelSet::albedo)});
+    for (const Channels& channels : scene.channels) info.add_channels(std::string{name_of(channels.set)});
     return write_json(tiles);
 }
 

@@ -72,6 +72,11 @@ Routes::Outcome Routes::page(const RequestHead& request, const Site& site,
     if (!query) return refusal_answer(query.error());
     const ScenePtr scene = site.catalog->find(address->scene);
     if (!scene) return refusal_answer(no_such_scene(address->scene));
+    if (scene->texture_of(query->channels) == nullptr)
+        return refusal_answer({404,
+                               "the scene has no channels \"" + std::string{name_of(query->channels)} +
+                                   "\"; it has " + scene->channel_names(),
+                               false});
     const std::uint8_t n = scene->extent.n;
     const std::uint64_t side = address->z <= n ? std::uint64_t{1} << address->z : 0;
     if (address->x >= side || address->y >= side) {
@@ -79,12 +84,13 @@ Routes::Outcome Routes::page(const RequestHead& request, const Site& site,
             {404, "there is no such page; z goes to " + std::to_string(n) + ", x and y to 2^z − 1", false});
     }
 
-    PendingPage pending{{scene,
-                         {static_cast<std::uint8_t>(n - address->z), static_cast<std::uint32_t>(address->x),
-                          static_cast<std::uint32_t>(address->y)},
-                         {address->format, ContentCoding::identity, query->gutter, query->accuracy},
-                         urgency_of(request["Priority"])},
-                        address->pin.has_value()};
+    PendingPage pending{
+        {scene,
+         {static_cast<std::uint8_t>(n - address->z), static_cast<std::uint32_t>(address->x),
+          static_cast<std::uint32_t>(address->y)},
+         {address->format, ContentCoding::identity, query->gutter, query->accuracy, query->channels},
+         urgency_of(request["Priority"])},
+        address->pin.has_value()};
     PageRequest& wanted = pending.request;
     if (wanted.options.format == PageFormat::rgba && accepts(request[http::field::accept_encoding], "zstd"))
         wanted.options.coding = ContentCoding::zstd;
@@ -119,8 +125,7 @@ Routes::Outcome Routes::page(const RequestHead& request, const Site& site,
         !known.empty() && matches(known, etag_of(id))) {
         return text_answer(304, {}, {}, page_fields_without_body(id, wanted.options, true).append(caching));
     }
-    if (const PagePtr page = pages_.find(id, wanted.key.level))
-        return page_answer(page, pending.pinned, true);
+    if (const PagePtr page = pages_.find(id, wanted)) return page_answer(page, pending.pinned, true);
     if (request.is(http::verb::head)) {
         Answer answer;
         answer.fields = page_fields_without_body(id, wanted.options, false).append(caching);

@@ -5,14 +5,15 @@
 
 namespace tessera {
 
-Result<EncodedBytes> encode_body(const Rgba8Image& image, PageFormat format, ContentCoding coding) {
+Result<EncodedBytes> encode_body(const Rgba8Image& image, TexelKind kind, PageFormat format,
+                                 ContentCoding coding) {
     if (coding == ContentCoding::zstd) return compress_zstd(image.bytes);
-    return encode_page(image, format);
+    return encode_page(image, format, kind);
 }
 
-Result<std::shared_ptr<const EncodedBytes>> OneColourPages::encode(const Rgba8Image& image, PageFormat format,
-                                                                   ContentCoding coding) {
-    Known key{0, image.width, image.height, format, coding};
+Result<std::shared_ptr<const EncodedBytes>> OneColourPages::encode(const Rgba8Image& image, TexelKind kind,
+                                                                   PageFormat format, ContentCoding coding) {
+    Known key{0, image.width, image.height, format, coding, kind};
     std::memcpy(&key.color, image.bytes.data(), sizeof key.color);
     {
         const std::lock_guard lock{mutex_};
@@ -23,7 +24,7 @@ Result<std::shared_ptr<const EncodedBytes>> OneColourPages::encode(const Rgba8Im
             return known->bytes;
         }
     }
-    auto encoded = encode_body(image, format, coding);
+    auto encoded = encode_body(image, kind, format, coding);
     if (!encoded) return encoded.error();
     auto bytes = std::make_shared<const EncodedBytes>(std::move(*encoded));
     const std::lock_guard lock{mutex_};

@@ -13,8 +13,8 @@ namespace tessera {
 class OneColourPages {
   public:
     /// The body of `image`, whose texels all have one colour.
-    Result<std::shared_ptr<const EncodedBytes>> encode(const Rgba8Image& image, PageFormat format,
-                                                       ContentCoding coding);
+    Result<std::shared_ptr<const EncodedBytes>> encode(const Rgba8Image& image, TexelKind kind,
+                                                       PageFormat format, ContentCoding coding);
 
   private:
     struct Known {
@@ -22,6 +22,7 @@ class OneColourPages {
         std::int32_t width = 0, height = 0;
         PageFormat format{};
         ContentCoding coding{};
+        TexelKind kind{};
         bool operator==(const Known&) const = default;
     };
     struct Body {
@@ -35,6 +36,7 @@ class OneColourPages {
 };
 
 /// encode_page() and, with `coding` zstd, compress_zstd().
-Result<EncodedBytes> encode_body(const Rgba8Image& image, PageFormat format, ContentCoding coding);
+Result<EncodedBytes> encode_body(const Rgba8Image& image, TexelKind kind, PageFormat format,
+                                 ContentCoding coding);
 
 }  // namespace tessera

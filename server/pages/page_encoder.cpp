@@ -87,10 +87,10 @@ Rgba8Image to_straight_alpha(const Rgba8Image& premultiplied) {
     return straight;
 }
 
-Result<EncodedBytes> encode_page(const Rgba8Image& image, PageFormat format) {
+Result<EncodedBytes> encode_page(const Rgba8Image& image, PageFormat format, TexelKind kind) {
     switch (format) {
         case PageFormat::png:
-            return encode_png(image);
+            return encode_png(image, kind);
         case PageFormat::jpg:
             return encode_jpeg(image);
         case PageFormat::webp:

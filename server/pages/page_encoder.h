@@ -13,9 +13,10 @@ namespace tessera {
 using EncodedBytes = std::vector<std::uint8_t>;
 
 /// The file or message body of `image` in `format`. The same image gives the same bytes on every machine and
-/// thread. `image` is 1 to 4096 texels a side. Error: io_failure if a codec refuses, which is a bug or a lack
-/// of memory.
-Result<EncodedBytes> encode_page(const Rgba8Image& image, PageFormat format);
+/// thread. `image` is 1 to 4096 texels a side; data is opaque. Error: io_failure if a codec refuses, which is
+/// a bug or a lack of memory.
+Result<EncodedBytes> encode_page(const Rgba8Image& image, PageFormat format,
+                                 TexelKind kind = TexelKind::color);
 
 /// One zstd frame of level 1 around `bytes`.
 Result<EncodedBytes> compress_zstd(std::span<const std::uint8_t> bytes);

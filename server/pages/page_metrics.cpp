@@ -46,6 +46,13 @@ PageMetrics::PageMetrics(prometheus::Registry& registry)
         for (std::size_t level = 0; level <= max_level; ++level)
             requests_[result][level] =
                 &family.Add({{"result", result_names[result]}, {"level", std::to_string(level)}});
+    auto& by_channels = prometheus::BuildCounter()
+                            .Name("tessera_page_requests_by_channels_total")
+                            .Help("Page requests by channel set")
+                            .Register(registry);
+    for (const ChannelSet set : channel_sets)
+        by_channels_[static_cast<std::size_t>(set)] =
+            &by_channels.Add({{"channels", std::string{name_of(set)}}});
 }
 
 double PageMetrics::requests(PageResult result) const {

@@ -10,6 +10,7 @@
 #include <prometheus/histogram.h>
 #include <prometheus/registry.h>
 
+#include "shared/page/channel_set.h"
 #include "shared/page/page_key.h"
 
 namespace tessera {
@@ -34,6 +35,7 @@ class PageMetrics {
     void count(PageResult result, std::uint8_t level) noexcept {
         requests_[static_cast<std::size_t>(result)][level]->Increment();
     }
+    void count(ChannelSet set) noexcept { by_channels_[static_cast<std::size_t>(set)]->Increment(); }
     double requests(PageResult result) const;  ///< Over all levels.
 
     prometheus::Counter& evaluations;            ///< Begun.
@@ -50,6 +52,7 @@ class PageMetrics {
   private:
     static constexpr std::size_t results = 7;
     std::array<std::array<prometheus::Counter*, max_level + 1>, results> requests_{};
+    std::array<prometheus::Counter*, channel_sets.size()> by_channels_{};
 };
 
 }  // namespace tessera

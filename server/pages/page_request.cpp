@@ -34,6 +34,7 @@ PageId page_id(const PageRequest& request) {
     add_integer(request.options.coding);
     add_integer(request.options.gutter);
     add_integer(request.options.accuracy);
+    add_integer(request.options.channels);
     const XXH128_hash_t digest = XXH3_128bits(bytes.data(), size);
     return {digest.high64, digest.low64};
 }

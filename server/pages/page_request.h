@@ -5,6 +5,7 @@
 
 #include "server/scene/scene.h"
 #include "server/texture/texture.h"
+#include "shared/page/channel_set.h"
 #include "shared/page/page_format.h"
 #include "shared/page/page_key.h"
 
@@ -16,6 +17,7 @@ struct PageOptions {
     ContentCoding coding = ContentCoding::identity;  ///< zstd only with PageFormat::rgba.
     std::uint8_t gutter = 0;                         ///< Texels, 0 to max_gutter_texels.
     Accuracy accuracy = Accuracy::high;
+    ChannelSet channels = ChannelSet::albedo;
     bool operator==(const PageOptions&) const = default;
 };
 
@@ -26,7 +28,7 @@ struct Urgency {
     auto operator<=>(const Urgency&) const = default;
 };
 
-/// `scene` is not null and its extent contains `key`.
+/// `scene` is not null, has the channel set asked for, and its extent contains `key`.
 struct PageRequest {
     ScenePtr scene;
     PageKey key;

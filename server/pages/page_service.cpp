@@ -55,15 +55,19 @@ void PageService::stop() {
     threads_.clear();
 }
 
-PagePtr PageService::find(PageId id, std::uint8_t level) {
+PagePtr PageService::find(PageId id, const PageRequest& request) {
     PagePtr page = cache_.find(id);
-    if (page) metrics_.count(PageResult::cached, level);
+    if (page) {
+        metrics_.count(PageResult::cached, request.key.level);
+        metrics_.count(request.options.channels);
+    }
     return page;
 }
 
 PageService::Ticket PageService::request(const PageRequest& request, Handler handler) {
     const PageId id = page_id(request);
     const std::uint8_t level = request.key.level;
+    metrics_.count(request.options.channels);
     Ticket ticket;
     JobPtr pushed_out;
     std::vector<Waiter> turned_away;
@@ -207,8 +211,9 @@ Result<PagePtr> PageService::evaluate(PageJob& job) {
 
     metrics_.evaluations.Increment();
     Rgba8Image image;
-    const auto evaluation =
-        request.scene->texture->evaluate(region_of(request.key, request.options.gutter), budget, image);
+    const Texture* const texture = request.scene->texture_of(request.options.channels);
+    if (texture == nullptr) return Error{ErrorCode::malformed_request, "the scene has no such channels"};
+    const auto evaluation = texture->evaluate(region_of(request.key, request.options.gutter), budget, image);
     if (!evaluation) return evaluation.error();
     const Clock::time_point evaluated = Clock::now();
     metrics_.evaluate_seconds.Observe(to_seconds(evaluated - begun));
@@ -220,11 +225,13 @@ Result<PagePtr> PageService::evaluate(PageJob& job) {
     page->revision = page_revision(*request.scene, request.key);
     page->evaluation = *evaluation;
     if (is_one_colour(image)) {
-        auto shared = one_colour_pages_.encode(image, request.options.format, request.options.coding);
+        auto shared = one_colour_pages_.encode(image, texture->texel_kind(), request.options.format,
+                                               request.options.coding);
         if (!shared) return shared.error();
         page->bytes = *shared;
     } else {
-        auto bytes = encode_body(image, request.options.format, request.options.coding);
+        auto bytes =
+            encode_body(image, texture->texel_kind(), request.options.format, request.options.coding);
         if (!bytes) return bytes.error();
         bytes->shrink_to_fit();
         page->bytes = std::make_shared<const EncodedBytes>(std::move(*bytes));

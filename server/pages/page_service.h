@@ -71,8 +71,9 @@ class PageService {
     PageService(const PageService&) = delete;
     PageService& operator=(const PageService&) = delete;
 
-    /// The page if it is in the cache, else null; counts a hit. Takes microseconds, never evaluates.
-    PagePtr find(PageId id, std::uint8_t level);
+    /// The page of `id`, which is that of `request`, if it is in the cache, else null; counts a hit. Takes
+    /// microseconds, never evaluates.
+    PagePtr find(PageId id, const PageRequest& request);
 
     /// Calls `handler` once, on another thread or before returning, with the page or with overloaded,
     /// timed_out, cancelled or io_failure; not at all once the ticket is given up.

@@ -29,7 +29,8 @@ void append_chunk(EncodedBytes& out, std::string_view type, std::span<const std:
     append_be32(out, libdeflate_crc32(0, out.data() + start, out.size() - start));
 }
 
-void append_header(EncodedBytes& out, const Rgba8Image& image, std::uint8_t bit_depth, ColorType color) {
+void append_header(EncodedBytes& out, const Rgba8Image& image, TexelKind kind, std::uint8_t bit_depth,
+                   ColorType color) {
     constexpr std::array<std::uint8_t, 8> signature{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
     out.insert(out.end(), signature.begin(), signature.end());
     EncodedBytes header;
@@ -37,7 +38,7 @@ void append_header(EncodedBytes& out, const Rgba8Image& image, std::uint8_t bit_
     append_be32(header, static_cast<std::uint32_t>(image.height));
     header.insert(header.end(), {bit_depth, static_cast<std::uint8_t>(color), 0, 0, 0});
     append_chunk(out, "IHDR", header);
-    append_chunk(out, "sRGB", std::array<std::uint8_t, 1>{0});  // perceptual intent
+    if (kind == TexelKind::color) append_chunk(out, "sRGB", std::array<std::uint8_t, 1>{0});  // perceptual intent
 }
 
 /// One zlib stream of `rows` as an IDAT chunk. Level 1: three times faster than 6, at 0 to 7 % more bytes.
@@ -72,10 +73,10 @@ void filter_row(const std::uint8_t* row, const std::uint8_t* above, std::size_t 
 }
 
 /// A single colour: every texel is entry 0 of a palette, one bit each.
-EncodedBytes encode_one_colour(const Rgba8Image& image) {
+EncodedBytes encode_one_colour(const Rgba8Image& image, TexelKind kind) {
     const std::uint8_t* color = image.bytes.data();
     EncodedBytes out;
-    append_header(out, image, 1, ColorType::palette);
+    append_header(out, image, kind, 1, ColorType::palette);
     append_chunk(out, "PLTE", {color, 3});
     if (color[3] != 255) append_chunk(out, "tRNS", {color + 3, 1});
     const std::size_t row_bytes = 1 + (static_cast<std::size_t>(image.width) + 7) / 8;
@@ -90,7 +91,7 @@ bool is_opaque(const Rgba8Image& image) noexcept {
     return all == 255;
 }
 
-EncodedBytes encode_straight(const Rgba8Image& image, bool opaque) {
+EncodedBytes encode_straight(const Rgba8Image& image, TexelKind kind, bool opaque) {
     const std::size_t step = opaque ? 3 : 4;
     const auto width = static_cast<std::size_t>(image.width);
     const std::size_t length = width * step;
@@ -113,7 +114,7 @@ EncodedBytes encode_straight(const Rgba8Image& image, bool opaque) {
     }
     EncodedBytes out;
     out.reserve(rows.size() / 2);
-    append_header(out, image, 8, opaque ? ColorType::rgb : ColorType::rgba);
+    append_header(out, image, kind, 8, opaque ? ColorType::rgb : ColorType::rgba);
     append_texels(out, rows);
     append_chunk(out, "IEND", {});
     return out;
@@ -121,7 +122,7 @@ EncodedBytes encode_straight(const Rgba8Image& image, bool opaque) {
 
 }  // namespace
 
-EncodedBytes encode_png(const Rgba8Image& image) {
+EncodedBytes encode_png(const Rgba8Image& image, TexelKind kind) {
     const bool opaque = is_opaque(image);
     if (is_one_colour(image)) {
         Rgba8Image texel{1, 1};
@@ -129,9 +130,9 @@ EncodedBytes encode_png(const Rgba8Image& image) {
         texel = to_straight_alpha(texel);
         texel.width = image.width;
         texel.height = image.height;
-        return encode_one_colour(texel);
+        return encode_one_colour(texel, kind);
     }
-    return opaque ? encode_straight(image, true) : encode_straight(to_straight_alpha(image), false);
+    return opaque ? encode_straight(image, kind, true) : encode_straight(to_straight_alpha(image), kind, false);
 }
 
 }  // namespace tessera
