@@ -20,17 +20,28 @@ std::unique_ptr<std::array<float, 65536>> make_curve() {
     return curve;
 }
 
+const std::array<float, 65536>& curve() noexcept {
+    static const auto made = make_curve();
+    return *made;
+}
+
 }  // namespace
 
+// sRGB's primaries (IEC 61966-2-1) in XYZ over D65 white, in 65536ths: each row sums to one
+
+float lightness_of(const std::uint8_t* codes) noexcept {
+    const std::uint32_t y =
+        13938U * srgb_to_steps[codes[0]] + 46868U * srgb_to_steps[codes[1]] + 4730U * srgb_to_steps[codes[2]];
+    return 116 * curve()[y >> 16] - 16;
+}
+
 Lab to_lab(const std::uint8_t* codes) noexcept {
-    static const auto curve = make_curve();
     const std::uint32_t red = srgb_to_steps[codes[0]];
     const std::uint32_t green = srgb_to_steps[codes[1]];
     const std::uint32_t blue = srgb_to_steps[codes[2]];
-    // sRGB's primaries (IEC 61966-2-1) in XYZ over D65 white, in 65536ths: each row sums to one
-    const float x = (*curve)[(28440 * red + 24656 * green + 12440 * blue) >> 16];
-    const float y = (*curve)[(13938 * red + 46868 * green + 4730 * blue) >> 16];
-    const float z = (*curve)[(1164 * red + 7174 * green + 57198 * blue) >> 16];
+    const float x = curve()[(28440 * red + 24656 * green + 12440 * blue) >> 16];
+    const float y = curve()[(13938 * red + 46868 * green + 4730 * blue) >> 16];
+    const float z = curve()[(1164 * red + 7174 * green + 57198 * blue) >> 16];
     return {116 * y - 16, 500 * (x - y), 200 * (y - z)};
 }
 

@@ -13,6 +13,9 @@ struct Lab {
 /// Of an sRGB-coded colour: three codes.
 Lab to_lab(const std::uint8_t* codes) noexcept;
 
+/// Its lightness alone.
+float lightness_of(const std::uint8_t* codes) noexcept;
+
 /// How far two colours look apart, in units of CIELAB (CIE 1976).
 inline float difference(const Lab& a, const Lab& b) noexcept {
     const float l = a.lightness - b.lightness;

@@ -21,24 +21,23 @@ double contents_a_patch(const ExchangeAsset& asset) {
     return contents / double(std::max<std::size_t>(asset.patches.size(), 1));
 }
 
-std::vector<Gate> gates_of(const ExchangeAsset& asset, const Quality& quality) {
-    const Seams& seams = quality.seams;
+}  // namespace
+
+std::vector<Gate> gates_of(const ExchangeAsset& asset, const Seams& seams, const Repetition& repetition) {
     std::vector<Gate> gates{
         {"seams, mean", seams.hard_ratio.mean, hard_seam_limit},
         {"seams, 99th percentile", seams.hard_ratio.percentile_99, hard_seam_limit},
         {"seams blended, mean", seams.blended_ratio.mean, blended_seam_limit},
         {"seams blended, 99th percentile", seams.blended_ratio.percentile_99, blended_seam_limit},
     };
-    const double repetition = quality.repetition.levels.front().greatest.value;
+    const double greatest = repetition.levels.front().greatest.value;
     if (asset.method == ExchangeMethod::content_exchange)
         gates.push_back(
-            {"repetition", repetition, 1 / std::max(contents_a_patch(asset), 1.0) + repetition_allowance});
+            {"repetition", greatest, 1 / std::max(contents_a_patch(asset), 1.0) + repetition_allowance});
     if (asset.method == ExchangeMethod::interchange)
-        gates.push_back({"repetition", repetition, interchange_repetition_limit});
+        gates.push_back({"repetition", greatest, interchange_repetition_limit});
     return gates;
 }
-
-}  // namespace
 
 MeasuredTextures textures_of(const ExchangeAsset& asset, std::uint64_t seed) {
     MeasuredTextures textures;
@@ -74,7 +73,7 @@ Result<Quality> measure_quality(const ExchangeAsset& asset, const MeasuredTextur
     auto fidelity = measure_fidelity(asset, *textures.blended, progress.part(0.9, 1));
     if (!fidelity) return fidelity.error();
     quality.fidelity = std::move(*fidelity);
-    quality.gates = gates_of(asset, quality);
+    quality.gates = gates_of(asset, quality.seams, quality.repetition);
     return quality;
 }
 

@@ -121,6 +121,9 @@ Result<TileShare> measure_tile_share(const ExchangeTexture& texture, std::int32_
 Result<Fidelity> measure_fidelity(const ExchangeAsset& asset, const ExchangeTexture& texture,
                                   const ProgressPart& progress);
 
+/// What the asset's method must keep.
+std::vector<Gate> gates_of(const ExchangeAsset& asset, const Seams& seams, const Repetition& repetition);
+
 /// All of it, with the gates of the asset's method.
 Result<Quality> measure_quality(const ExchangeAsset& asset, const MeasuredTextures& textures,
                                 const ProgressPart& progress);

@@ -12,7 +12,7 @@ constexpr std::int32_t coarse_sample_side = 1024;
 constexpr std::int32_t strip_rows = 64;
 constexpr std::int32_t farthest = 3;  ///< Tiles each way.
 
-/// Lightness in 64ths of a unit, its mean removed.
+/// Lightness in 16ths of a unit, its mean removed.
 struct Sample {
     std::int32_t side = 0;
     std::vector<std::int16_t> lightness;
@@ -37,8 +37,8 @@ Result<Sample> take_sample(const ExchangeTexture& texture, int level, std::int32
             if (auto done = texture.evaluate(region, progress.budget(), texels); !done) return done.error();
             for (std::int32_t v = 0; v < rows; ++v)
                 for (std::int32_t u = 0; u < piece; u += stride) {
-                    const Lab color = to_lab(texels.row(v) + std::ptrdiff_t{4} * u);
-                    sample.lightness.push_back(static_cast<std::int16_t>(std::lround(color.lightness * 64)));
+                    const float lightness = lightness_of(texels.row(v) + std::ptrdiff_t{4} * u);
+                    sample.lightness.push_back(static_cast<std::int16_t>(lightness * 16 + 0.5F));
                     sum += sample.lightness.back();
                 }
         }
@@ -55,7 +55,12 @@ double correlate(const Sample& sample, std::int32_t dx, std::int32_t dy) {
     for (std::int32_t y = 0; y + dy < sample.side; ++y) {
         const std::int16_t* here = sample.lightness.data() + std::ptrdiff_t{y} * sample.side;
         const std::int16_t* there = here + std::ptrdiff_t{dy} * sample.side + dx;
-        for (std::int32_t x = first; x < last; ++x) sum += std::int32_t{here[x]} * std::int32_t{there[x]};
+        // So many products of at most 1600² stay below 2^31
+        for (std::int32_t begin = first; begin < last; begin += 512) {
+            std::int32_t part = 0;
+            for (std::int32_t x = begin; x < std::min(begin + 512, last); ++x) part += here[x] * there[x];
+            sum += part;
+        }
     }
     return double(sum) / (double(last - first) * double(sample.side - dy));
 }

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "server/progress/progress.h"
+#include "server/quality/measures.h"
 #include "server/texture/exchange.h"
 #include "shared/result/result.h"
 
@@ -14,6 +15,10 @@ namespace tessera {
 /// Both whole or not at all. Takes some seconds; stages: "measuring", "drawing". Errors: io_failure,
 /// invalid_input, which name the file; cancelled.
 Result<void> write_report(const std::filesystem::path& html, const ExchangeAsset& asset, Progress& progress);
+
+/// The same for textures that are compiled already.
+Result<void> write_report(const std::filesystem::path& html, const ExchangeAsset& asset,
+                          const MeasuredTextures& textures, Progress& progress);
 
 /// Whether a report may be written there, asked before the long work: the name ends in .html or .htm, and its
 /// parent is a folder.

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+
+#include "server/quality/measures.h"
+#include "server/quality/pictures.h"
+
+namespace tessera {
+
+/// "content_exchange", "interchange", "wang".
+std::string_view name_of(ExchangeMethod method) noexcept;
+
+/// All figures, for programs: numbers with six significant digits, one object a figure.
+std::string report_json(const ExchangeAsset& asset, const Quality& quality, const ContentSheets& contents);
+
+}  // namespace tessera
