@@ -13,9 +13,14 @@ int main(int argc, char** argv) {
     app.set_version_flag("--version", std::string{"tessera "} + TESSERA_VERSION);
     int exit_code = 0;
     tessera::add_serve_command(app, exit_code);
-    tessera::add_prepare_command(app, exit_code);
-    tessera::add_bake_commands(app, exit_code);   // page, bake, check
-    tessera::add_scenes_command(app, exit_code);  // samples
-    CLI11_PARSE(app, argc, argv);
+    tessera::add_prepare_command(app, exit_code);  // prepare, report
+    tessera::add_bake_commands(app, exit_code);    // page, bake, check
+    tessera::add_scenes_command(app, exit_code);   // samples
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& wrong) {
+        // Help and version end here too; what is wrong is said in the parser's words
+        return app.exit(wrong) == 0 ? 0 : 2;
+    }
     return exit_code;
 }

@@ -4,41 +4,22 @@
 #include <array>
 #include <cstring>
 #include <memory>
-#include <string_view>
 
 #include <libdeflate.h>
+
+#include "server/scene/png_file.h"
 
 namespace tessera {
 namespace {
 
-/// PNG's colour types (ISO/IEC 15948, 11.2.2).
-enum class ColorType : std::uint8_t { rgb = 2, palette = 3, rgba = 6 };
-
 /// PNG's row filters (ISO/IEC 15948, 9.2).
 constexpr std::uint8_t filter_none = 0, filter_up = 2, filter_average = 3;
 
-void append_be32(EncodedBytes& out, std::uint32_t value) {
-    for (int shift = 24; shift >= 0; shift -= 8) out.push_back(static_cast<std::uint8_t>(value >> shift));
-}
-
-void append_chunk(EncodedBytes& out, std::string_view type, std::span<const std::uint8_t> data) {
-    append_be32(out, static_cast<std::uint32_t>(data.size()));
-    const std::size_t start = out.size();
-    out.insert(out.end(), type.begin(), type.end());
-    out.insert(out.end(), data.begin(), data.end());
-    append_be32(out, libdeflate_crc32(0, out.data() + start, out.size() - start));
-}
-
-void append_header(EncodedBytes& out, const Rgba8Image& image, TexelKind kind, std::uint8_t bit_depth,
-                   ColorType color) {
-    constexpr std::array<std::uint8_t, 8> signature{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-    out.insert(out.end(), signature.begin(), signature.end());
-    EncodedBytes header;
-    append_be32(header, static_cast<std::uint32_t>(image.width));
-    append_be32(header, static_cast<std::uint32_t>(image.height));
-    header.insert(header.end(), {bit_depth, static_cast<std::uint8_t>(color), 0, 0, 0});
-    append_chunk(out, "IHDR", header);
-    if (kind == TexelKind::color) append_chunk(out, "sRGB", std::array<std::uint8_t, 1>{0});  // perceptual intent
+EncodedBytes start(const Rgba8Image& image, TexelKind kind, int bits, PngColor color) {
+    EncodedBytes out = start_png(image.width, image.height, color, bits);
+    if (kind == TexelKind::color)
+        append_png_chunk(out, "sRGB", std::array<std::uint8_t, 1>{0});  // perceptual intent
+    return out;
 }
 
 /// One zlib stream of `rows` as an IDAT chunk. Level 1: three times faster than 6, at 0 to 7 % more bytes.
@@ -51,7 +32,7 @@ void append_texels(EncodedBytes& out, std::span<const std::uint8_t> rows) {
     EncodedBytes data(libdeflate_zlib_compress_bound(compressor.get(), rows.size()));
     data.resize(
         libdeflate_zlib_compress(compressor.get(), rows.data(), rows.size(), data.data(), data.size()));
-    append_chunk(out, "IDAT", data);
+    append_png_chunk(out, "IDAT", data);
 }
 
 /// Filters `row` (length bytes, the previous row above it, null for the first) into `out`: the mean of left
@@ -75,13 +56,12 @@ void filter_row(const std::uint8_t* row, const std::uint8_t* above, std::size_t 
 /// A single colour: every texel is entry 0 of a palette, one bit each.
 EncodedBytes encode_one_colour(const Rgba8Image& image, TexelKind kind) {
     const std::uint8_t* color = image.bytes.data();
-    EncodedBytes out;
-    append_header(out, image, kind, 1, ColorType::palette);
-    append_chunk(out, "PLTE", {color, 3});
-    if (color[3] != 255) append_chunk(out, "tRNS", {color + 3, 1});
+    EncodedBytes out = start(image, kind, 1, PngColor::palette);
+    append_png_chunk(out, "PLTE", {color, 3});
+    if (color[3] != 255) append_png_chunk(out, "tRNS", {color + 3, 1});
     const std::size_t row_bytes = 1 + (static_cast<std::size_t>(image.width) + 7) / 8;
     append_texels(out, EncodedBytes(row_bytes * static_cast<std::size_t>(image.height)));
-    append_chunk(out, "IEND", {});
+    append_png_chunk(out, "IEND", {});
     return out;
 }
 
@@ -112,11 +92,10 @@ EncodedBytes encode_straight(const Rgba8Image& image, TexelKind kind, bool opaqu
         filter_row(row, above, length, step, rows.data() + (length + 1) * static_cast<std::size_t>(y));
         above = row;
     }
-    EncodedBytes out;
+    EncodedBytes out = start(image, kind, 8, opaque ? PngColor::rgb : PngColor::rgba);
     out.reserve(rows.size() / 2);
-    append_header(out, image, kind, 8, opaque ? ColorType::rgb : ColorType::rgba);
     append_texels(out, rows);
-    append_chunk(out, "IEND", {});
+    append_png_chunk(out, "IEND", {});
     return out;
 }
 
@@ -132,7 +111,8 @@ EncodedBytes encode_png(const Rgba8Image& image, TexelKind kind) {
         texel.height = image.height;
         return encode_one_colour(texel, kind);
     }
-    return opaque ? encode_straight(image, kind, true) : encode_straight(to_straight_alpha(image), kind, false);
+    return opaque ? encode_straight(image, kind, true)
+                  : encode_straight(to_straight_alpha(image), kind, false);
 }
 
 }  // namespace tessera

@@ -75,7 +75,7 @@ Result<void> check_size(const fs::path& path, std::int64_t width, std::int64_t h
     if (width > limits.max_side || height > limits.max_side || width * height > limits.max_texels)
         return invalid(path, size + " texels, more than the limit of " + std::to_string(limits.max_side) +
                                  " a side and " + std::to_string(limits.max_texels) +
-                                 " in all; scale it down");
+                                 " in all; scale it down" + limits.how_to_raise);
     if (width * height > small_texels && width * height / max_texels_per_file_byte > file_bytes)
         return invalid(path, size + " by its header, but holds only " + std::to_string(file_bytes) +
                                  " bytes: it is truncated or made to exhaust memory");
@@ -243,29 +243,57 @@ Result<Rgb8Image> read_rgb_image(const fs::path& path, const ImageLimits& limits
     return turned(std::move(image), spec.get_int_attribute("Orientation", 1));
 }
 
-Result<LabelImage> read_label_image(const fs::path& path, const ImageLimits& limits) {
+namespace {
+
+/// Opens a PNG whose samples are grey, of any of these numbers of bits; `what` it holds is for the message.
+Result<Reader> open_grey_png(const fs::path& path, const ImageLimits& limits, int few_bits, int many_bits,
+                             const std::string& what) {
     const auto file = inspect(path, limits);
     if (!file) return file.error();
     // Bytes 24 and 25 of a PNG: bits a sample, and the kind of colour, 0 for grey
-    if (file->format != "png" || file->head.size() < 26 || (file->head[24] != 8 && file->head[24] != 16) ||
-        file->head[25] != 0)
-        return invalid(path, "is no grey PNG of 8 or 16 bits, which holds a label for each texel");
+    if (file->format != "png" || file->head.size() < 26 ||
+        (file->head[24] != few_bits && file->head[24] != many_bits) || file->head[25] != 0)
+        return invalid(path, "is no grey PNG of " + std::to_string(few_bits) + " or " +
+                                 std::to_string(many_bits) + " bits, which holds " + what +
+                                 " for each texel");
     auto reader = open_image(path, *file, limits);
     if (!reader) return reader.error();
-    const OIIO::ImageSpec spec = (*reader)->spec();
-    if (spec.nchannels != 1)
-        return invalid(path, "has transparency, which labels cannot have; save it as plain grey");
+    if ((*reader)->spec().nchannels != 1)
+        return invalid(path, "has transparency, which it cannot have; save it as plain grey");
+    return reader;
+}
 
+}  // namespace
+
+Result<LabelImage> read_label_image(const fs::path& path, const ImageLimits& limits) {
+    auto reader = open_grey_png(path, limits, 8, 16, "a label");
+    if (!reader) return reader.error();
     LabelImage image;
-    image.width = spec.width;
-    image.height = spec.height;
-    image.labels.resize(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height));
-    const auto read = read_strips(path, file->format, **reader,
-                                  [&](int y, int, const std::vector<std::uint16_t>& samples) -> Result<void> {
-                                      std::copy(samples.begin(), samples.end(),
-                                                image.labels.begin() + std::ptrdiff_t{y} * image.width);
-                                      return {};
-                                  });
+    image.width = (*reader)->spec().width;
+    image.height = (*reader)->spec().height;
+    image.labels.resize(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
+    const auto read = read_strips(
+        path, "png", **reader, [&](int y, int, const std::vector<std::uint16_t>& samples) -> Result<void> {
+            std::copy(samples.begin(), samples.end(), image.labels.begin() + std::ptrdiff_t{y} * image.width);
+            return {};
+        });
+    if (!read) return read.error();
+    return image;
+}
+
+Result<BitMask> read_bit_image(const fs::path& path, const ImageLimits& limits) {
+    auto reader = open_grey_png(path, limits, 1, 8, "a bit");
+    if (!reader) return reader.error();
+    BitMask image{(*reader)->spec().width, (*reader)->spec().height};
+    const auto read =
+        read_strips(path, "png", **reader,
+                    [&](int top, int rows, const std::vector<std::uint16_t>& samples) -> Result<void> {
+                        std::size_t i = 0;
+                        for (int y = top; y < top + rows; ++y)
+                            for (int x = 0; x < image.width; ++x)
+                                if (samples[i++] > 127) image.set(x, y);
+                        return {};
+                    });
     if (!read) return read.error();
     return image;
 }
@@ -284,6 +312,10 @@ Result<void> write_label_png(const fs::path& file, const LabelImage& image) {
         samples.push_back(static_cast<std::uint8_t>(label));
     }
     return write_whole_file(file, to_png(image.width, image.height, PngColor::grey, wide ? 16 : 8, samples));
+}
+
+Result<void> write_bit_png(const fs::path& file, const BitMask& image) {
+    return write_whole_file(file, to_png(image.width, image.height, PngColor::grey, 1, image.bytes));
 }
 
 }  // namespace tessera

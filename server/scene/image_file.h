@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "server/texture/exchange_asset.h"
 #include "server/texture/rgb8_image.h"
 #include "shared/result/result.h"
 
@@ -14,6 +15,7 @@ struct ImageLimits {
                               << 26;  ///< 64 Mtexel: 8192². Too little refuses real photographs.
     std::int32_t max_side = 32768;
     std::int64_t max_file_bytes = std::int64_t{1} << 28;
+    const char* how_to_raise = "";  ///< Ends the sentence for whoever is above max_texels: ", or …".
 };
 
 /// Reads a PNG, JPEG, WebP or TIFF, told apart by its first bytes and never by its name, as 8-bit sRGB. Grey
@@ -29,7 +31,11 @@ struct LabelImage {
 };
 Result<LabelImage> read_label_image(const std::filesystem::path& file, const ImageLimits& limits = {});
 
+/// Reads a grey PNG of 1 or 8 bits: shapes. What is lighter than half is inside.
+Result<BitMask> read_bit_image(const std::filesystem::path& file, const ImageLimits& limits = {});
+
 Result<void> write_rgb_png(const std::filesystem::path& file, const Rgb8Image& image);
 Result<void> write_label_png(const std::filesystem::path& file, const LabelImage& image);
+Result<void> write_bit_png(const std::filesystem::path& file, const BitMask& image);
 
 }  // namespace tessera

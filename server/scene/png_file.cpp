@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <fstream>
 #include <memory>
-#include <string_view>
 
 #include <libdeflate.h>
 
@@ -19,15 +18,6 @@ void append_number(std::vector<std::uint8_t>& out, std::uint32_t number) {
 std::uint32_t read_number(const unsigned char* bytes) {
     return std::uint32_t{bytes[0]} << 24 | std::uint32_t{bytes[1]} << 16 | std::uint32_t{bytes[2]} << 8 |
            bytes[3];
-}
-
-/// Length, name, data, and a checksum of name and data.
-void append_chunk(std::vector<std::uint8_t>& out, std::string_view name, std::span<const std::uint8_t> data) {
-    append_number(out, static_cast<std::uint32_t>(data.size()));
-    const std::size_t start = out.size();
-    out.insert(out.end(), name.begin(), name.end());
-    out.insert(out.end(), data.begin(), data.end());
-    append_number(out, libdeflate_crc32(0, out.data() + start, out.size() - start));
 }
 
 /// The neighbour closest to left + up − corner (PNG specification, 9.4).
@@ -89,27 +79,41 @@ std::vector<std::uint8_t> filter_rows(std::size_t row_bytes, std::size_t texel_b
 
 }  // namespace
 
+std::vector<std::uint8_t> start_png(std::int32_t width, std::int32_t height, PngColor color, int bits) {
+    std::vector<std::uint8_t> png{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+    std::vector<std::uint8_t> header;
+    append_number(header, static_cast<std::uint32_t>(width));
+    append_number(header, static_cast<std::uint32_t>(height));
+    header.insert(header.end(), {static_cast<std::uint8_t>(bits), static_cast<std::uint8_t>(color), 0, 0, 0});
+    append_png_chunk(png, "IHDR", header);
+    return png;
+}
+
+void append_png_chunk(std::vector<std::uint8_t>& png, std::string_view name,
+                      std::span<const std::uint8_t> data) {
+    append_number(png, static_cast<std::uint32_t>(data.size()));
+    const std::size_t start = png.size();
+    png.insert(png.end(), name.begin(), name.end());
+    png.insert(png.end(), data.begin(), data.end());
+    append_number(png, libdeflate_crc32(0, png.data() + start, png.size() - start));
+}
+
 std::vector<std::uint8_t> to_png(std::int32_t width, std::int32_t height, PngColor color, int bits,
                                  std::span<const std::uint8_t> rows) {
-    const std::size_t texel_bytes =
-        (color == PngColor::rgb ? std::size_t{3} : std::size_t{1}) * static_cast<std::size_t>(bits / 8);
+    const std::size_t texel_bits =
+        (color == PngColor::rgb ? std::size_t{3} : std::size_t{1}) * std::size_t(bits);
+    const std::size_t row_bytes = (static_cast<std::size_t>(width) * texel_bits + 7) / 8;
     const std::vector<std::uint8_t> filtered = filter_rows(
-        static_cast<std::size_t>(width) * texel_bytes, texel_bytes, static_cast<std::size_t>(height), rows);
+        row_bytes, std::max<std::size_t>(1, texel_bits / 8), static_cast<std::size_t>(height), rows);
 
     const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor{
         libdeflate_alloc_compressor(6), libdeflate_free_compressor};
     std::vector<std::uint8_t> packed(libdeflate_zlib_compress_bound(compressor.get(), filtered.size()));
     packed.resize(libdeflate_zlib_compress(compressor.get(), filtered.data(), filtered.size(), packed.data(),
                                            packed.size()));
-
-    std::vector<std::uint8_t> png{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-    std::vector<std::uint8_t> header;
-    append_number(header, static_cast<std::uint32_t>(width));
-    append_number(header, static_cast<std::uint32_t>(height));
-    header.insert(header.end(), {static_cast<std::uint8_t>(bits), static_cast<std::uint8_t>(color), 0, 0, 0});
-    append_chunk(png, "IHDR", header);
-    append_chunk(png, "IDAT", packed);
-    append_chunk(png, "IEND", {});
+    std::vector<std::uint8_t> png = start_png(width, height, color, bits);
+    append_png_chunk(png, "IDAT", packed);
+    append_png_chunk(png, "IEND", {});
     return png;
 }
 

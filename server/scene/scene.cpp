@@ -4,23 +4,16 @@
 #include <fstream>
 #include <sstream>
 
-#include <xxhash.h>
-
 #include "proto/scene.pb.h"
 
-#include "server/scene/asset_file.h"
-#include "server/texture/constant_texture.h"
-#include "server/texture/exchange.h"
-#include "shared/page/page_format.h"
+#include "server/scene/compile_scene.h"
+#include "server/scene/fingerprint.h"
 #include "shared/wire/json.h"
 
 namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Part of every fingerprint: raise it whenever any page of any scene changes by a bit.
-constexpr std::string_view evaluator_version = "1";
 
 constexpr std::uintmax_t max_scene_file_bytes = 1 << 20;
 
@@ -49,129 +42,6 @@ Result<std::string> read_text(const fs::path& file) {
     return text.str();
 }
 
-/// The path that a scene file names, kept inside the scene's folder, also through symbolic links.
-Result<fs::path> inside(const fs::path& folder, const fs::path& file, std::string_view field,
-                        const std::string& name) {
-    if (name.empty())
-        return invalid(file, std::string{field} + ": is missing; name a folder beside scene.json");
-    std::error_code failure;
-    const fs::path root = fs::weakly_canonical(folder, failure);
-    const fs::path target = fs::weakly_canonical(folder / name, failure);
-    const auto [root_end, rest] = std::mismatch(root.begin(), root.end(), target.begin(), target.end());
-    if (failure || fs::path{name}.is_absolute() || root_end != root.end())
-        return invalid(file, std::string{field} + ": \"" + name +
-                                 "\" leaves the scene's folder; copy the asset into it");
-    return target;
-}
-
-Result<Rgba8> to_color(const fs::path& file, std::string_view field, const proto::Color& color) {
-    const std::uint32_t alpha = color.has_alpha() ? color.alpha() : 255;
-    if (std::max({color.red(), color.green(), color.blue(), alpha}) > 255)
-        return invalid(file, std::string{field} + ": channels are sRGB codes from 0 to 255");
-    return Rgba8{static_cast<std::uint8_t>(color.red()), static_cast<std::uint8_t>(color.green()),
-                 static_cast<std::uint8_t>(color.blue()), static_cast<std::uint8_t>(alpha)};
-}
-
-Result<std::shared_ptr<const Texture>> compile_checker(const fs::path& file, const proto::Checker& checker) {
-    const std::uint32_t cell = checker.cell_texels() == 0 ? 32 : checker.cell_texels();
-    if (cell > 1u << 20)
-        return invalid(file, "checker.cell_texels: is " + std::to_string(cell) + "; at most 1048576");
-    auto first = checker.has_first() ? to_color(file, "checker.first", checker.first())
-                                     : Result<Rgba8>{Rgba8{255, 255, 255, 255}};
-    auto second = checker.has_second() ? to_color(file, "checker.second", checker.second())
-                                       : Result<Rgba8>{Rgba8{0, 0, 0, 255}};
-    if (!first) return first.error();
-    if (!second) return second.error();
-    return make_checker_texture(cell, *first, *second);
-}
-
-Result<std::shared_ptr<const Texture>> compile_content_exchange(const fs::path& folder, const fs::path& file,
-                                                                const proto::ContentExchange& message) {
-    const auto asset_folder = inside(folder, file, "content_exchange.asset", message.asset());
-    if (!asset_folder) return asset_folder.error();
-    ExchangeOptions options;
-    options.seed = message.seed();
-    options.blended = !message.unblended();
-    options.types = message.types();
-    if (options.types != 0 && (options.types < 64 || options.types > 16384 || (options.types & (options.types - 1)) != 0))
-        return invalid(file, "content_exchange.types: is " + std::to_string(options.types) +
-                                 "; a power of two from 64 to 16384");
-    switch (message.choice()) {
-        case proto::Choice::typed:
-            options.choice = Choice::typed;
-            break;
-        case proto::Choice::independent:
-            options.choice = Choice::independent;
-            break;
-        default:
-            return invalid(file, "content_exchange.choice: \"typed\" or \"independent\"");
-    }
-    const auto asset = read_exchange_asset(*asset_folder);
-    if (!asset) return asset.error();
-    if (const std::size_t bytes = exchange_bytes(*asset, options); bytes > max_exchange_bytes)
-        return invalid(file, "content_exchange.asset: \"" + message.asset() + "\" would take about " +
-                                 std::to_string(bytes >> 20) + " MiB, more than " +
-                                 std::to_string(max_exchange_bytes >> 20) +
-                                 "; prepare it with a smaller tile, or fewer patches or contents");
-    return std::shared_ptr<const Texture>{make_exchange_texture(*asset, options)};
-}
-
-Result<std::shared_ptr<const Texture>> compile(const fs::path& folder, const fs::path& file,
-                                               const proto::Scene& message) {
-    switch (message.texture_case()) {
-        case proto::Scene::kConstant: {
-            const auto color = to_color(file, "constant.color", message.constant().color());
-            if (!color) return color.error();
-            return make_constant_texture(*color);
-        }
-        case proto::Scene::kChecker:
-            return compile_checker(file, message.checker());
-        case proto::Scene::kContentExchange:
-            return compile_content_exchange(folder, file, message.content_exchange());
-        case proto::Scene::TEXTURE_NOT_SET:
-            break;
-    }
-    return invalid(file, "has no texture; give it one of constant, checker, content_exchange");
-}
-
-/// Covers every file of the folder by relative name and content, and the versions of evaluator and encoders.
-/// Of the scene file it takes `scene_text`, which was parsed, and not what the file may hold by now.
-Result<std::string> fingerprint_of(const fs::path& folder, const std::string& scene_text) {
-    std::vector<fs::path> files;
-    std::error_code failure;
-    for (fs::recursive_directory_iterator entry{folder, failure}, end; !failure && entry != end;
-         entry.increment(failure))
-        if (std::error_code odd; entry->is_regular_file(odd)) files.push_back(entry->path());
-    if (failure) return Error{ErrorCode::io_failure, folder.string() + ": " + failure.message()};
-    std::sort(files.begin(), files.end());
-    const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state{XXH3_createState(), XXH3_freeState};
-    XXH3_64bits_reset(state.get());
-    const std::string versions = std::string{evaluator_version} + '/' + std::to_string(encoder_version);
-    XXH3_64bits_update(state.get(), versions.data(), versions.size());
-    const auto add_header = [&](const std::string& name, std::uintmax_t bytes) {
-        const std::string header = name + '\0' + std::to_string(bytes) + '\0';
-        XXH3_64bits_update(state.get(), header.data(), header.size());
-    };
-    add_header("scene.json", scene_text.size());
-    XXH3_64bits_update(state.get(), scene_text.data(), scene_text.size());
-    std::vector<char> block(1 << 16);
-    for (const fs::path& path : files) {
-        const std::string name = path.lexically_relative(folder).generic_string();
-        if (name == "scene.json") continue;
-        add_header(name, fs::file_size(path, failure));
-        std::ifstream in{path, std::ios::binary};
-        while (in.read(block.data(), std::ssize(block)) || in.gcount() > 0)
-            XXH3_64bits_update(state.get(), block.data(), static_cast<std::size_t>(in.gcount()));
-        if (in.bad()) return Error{ErrorCode::io_failure, path.string() + ": cannot be read"};
-    }
-    std::ostringstream hex;
-    hex << std::hex;
-    hex.width(16);
-    hex.fill('0');
-    hex << XXH3_64bits_digest(state.get());
-    return hex.str();
-}
-
 Result<ScenePtr> load_once(const fs::path& folder, const std::string& id) {
     const fs::path file = folder / "scene.json";
     const auto text = read_text(file);
@@ -195,12 +65,10 @@ Result<ScenePtr> load_once(const fs::path& folder, const std::string& id) {
     // again
     const auto before = fingerprint_of(folder, *text);
     if (!before) return before.error();
-    auto texture = compile(folder, file, message);
-    if (!texture) return texture.error();
+    if (auto compiled = compile_scene(folder, file, message, *scene); !compiled) return compiled.error();
     auto after = fingerprint_of(folder, *text);
     if (!after) return after.error();
     if (*before != *after) return Error{ErrorCode::page_changed, {}};
-    scene->texture = *texture;
     scene->fingerprint = *after;
     return ScenePtr{std::move(scene)};
 }

@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 #include <unistd.h>
 
+#include "server/prepare/photo_options.h"
 #include "server/progress/interrupt.h"
 #include "server/progress/terminal_progress.h"
 #include "server/scenes/sample_scenes.h"
@@ -23,20 +24,27 @@ struct Arguments {
     std::string folder;
     std::string photos;
     std::vector<std::string> only;
+    PhotoSceneOptions scene;
+    std::int64_t max_megapixels = default_megapixels;
     bool force = false;
     bool quiet = false;
 };
 
+/// Painting and writing round a method's own stages.
+std::vector<TerminalProgress::Share> shares_of(ExchangeMethod method) {
+    std::vector<TerminalProgress::Share> shares{{"painting", 0.1}};
+    for (const auto& [stage, part] : prepare_shares(method)) shares.push_back({stage, 0.85 * part});
+    shares.push_back({"writing", 0.05});
+    return shares;
+}
+
 /// Runs `work` under a progress bar; its error, if any, is said.
 template <typename T>
-Result<T> run(const char* command, const std::string& what, const Arguments& arguments,
+Result<T> run(const char* command, const std::string& what, ExchangeMethod method, const Arguments& arguments,
               const Interrupt& interrupt, const std::function<Result<T>(Progress&)>& work) {
     auto made = [&] {
-        TerminalProgress progress{
-            "tessera " + std::string{command} + ": " + what,
-            {{"painting", 0.2}, {"tile", 0.15}, {"patches", 0.05}, {"contents", 0.5}, {"writing", 0.1}},
-            arguments.quiet,
-            interrupt.token()};
+        TerminalProgress progress{"tessera " + std::string{command} + ": " + what, shares_of(method),
+                                  arguments.quiet, interrupt.token()};
         return work(progress);
     }();
     if (!made) std::fprintf(stderr, "tessera %s: %s\n", command, made.error().detail.c_str());
@@ -92,22 +100,27 @@ int run_samples(const Arguments& arguments) {
     for (const Sample& sample : *chosen) {
         if (interrupt.token().stop_requested()) return 1;
         const std::string name{sample.name};
-        const auto made = run<Made>("samples", name, arguments, interrupt, [&](Progress& progress) {
-            return make_sample(sample, arguments.folder, arguments.photos, arguments.force, progress);
-        });
+        const auto made =
+            run<Made>("samples", name, sample.method, arguments, interrupt, [&](Progress& progress) {
+                return make_sample(sample, arguments.folder, arguments.photos, arguments.force, progress);
+            });
         if (made) say_made("samples", name, *made, arguments);
         good &= made.has_value();
     }
     return good ? 0 : 1;
 }
 
-int run_scene(const Arguments& arguments) {
+int run_scene(Arguments arguments) {
     const Interrupt interrupt;
     if (!can_be_written("scene", arguments.folder)) return 1;
-    const std::string name = scene_id_of(arguments.photo);
-    const auto scene = run<PhotoScene>("scene", name, arguments, interrupt, [&](Progress& progress) {
-        return make_photo_scene(arguments.photo, arguments.folder, arguments.force, progress);
-    });
+    PhotoSceneOptions& options = arguments.scene;
+    options.limits = photo_limits(arguments.max_megapixels);
+    options.force = arguments.force;
+    const std::string name = scene_id_of(arguments.photo, options.prepare.method);
+    const auto scene =
+        run<PhotoScene>("scene", name, options.prepare.method, arguments, interrupt, [&](Progress& progress) {
+            return make_photo_scene(arguments.photo, arguments.folder, options, progress);
+        });
     if (!scene) return 1;
     const char* whose =
         find_sample(name) == nullptr ? " was not made of this picture" : " is a sample's name";
@@ -139,6 +152,8 @@ void add_scenes_command(CLI::App& app, int& exit_code) {
         "Makes a scene of a photograph, named after the file, with a number behind it if another picture "
         "has that name; prints the scene's id");
     scene.add_option("PHOTO", arguments->photo, "PNG, JPEG, WebP or TIFF")->required();
+    add_method_option(scene, arguments->scene.prepare.method);
+    add_megapixels_option(scene, arguments->max_megapixels);
     add_common(scene);
     scene.callback([arguments, &exit_code] { exit_code = run_scene(*arguments); });
 }

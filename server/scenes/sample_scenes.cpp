@@ -1,11 +1,11 @@
 #include "server/scenes/sample_scenes.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "proto/scene.pb.h"
 
-#include "server/prepare/prepare.h"
-#include "server/scene/image_file.h"
+#include "server/scene/asset_file.h"
 #include "server/scene/scene.h"
 #include "server/scenes/paint_pebbles.h"
 #include "server/scenes/scene_folder.h"
@@ -26,47 +26,82 @@ proto::Scene described(std::string_view title, std::string_view attribution) {
     return scene;
 }
 
-/// `where` names the exemplar in messages.
-Result<ExchangeAsset> prepare(const Rgb8Image& exemplar, const std::string& where, Progress& progress) {
-    auto prepared = prepare_exchange(exemplar, {}, nullptr, progress);
-    if (!prepared) return Error{prepared.error().code, where + ": " + prepared.error().detail};
-    return std::move(prepared->asset);
-}
-
-Result<Made> write_content_exchange_scene(const ExchangeAsset& asset, proto::Scene scene,
-                                          const fs::path& folder, Progress& progress) {
-    progress.advance("writing", 0);
-    const std::uint64_t seed = PrepareOptions{}.seed;
-    scene.mutable_content_exchange()->set_asset(asset_folder_name);
-    scene.mutable_content_exchange()->set_seed(seed);
-    if (auto written = write_scene_folder(folder, scene, &asset, seed); !written) return written.error();
-    progress.advance("writing", 1);
-    return Made::written;
-}
-
-Result<Made> make_of_photo(const fs::path& photo, proto::Scene scene, const fs::path& folder,
-                           Progress& progress) {
-    const auto exemplar = read_rgb_image(photo);
-    if (!exemplar) return exemplar.error();
-    const auto asset = prepare(*exemplar, photo.string(), progress);
-    if (!asset) return asset.error();
-    return write_content_exchange_scene(*asset, std::move(scene), folder, progress);
-}
-
-Result<Made> make_of_painting(proto::Scene scene, const fs::path& folder, Progress& progress) {
+Result<Rgb8Image> paint(Progress& progress) {
     progress.advance("painting", 0);
-    const Rgb8Image exemplar = paint_pebbles(painting_side, painting_seed);
+    Rgb8Image exemplar = paint_pebbles(painting_side, painting_seed);
     progress.advance("painting", 1);
-    const auto asset = prepare(exemplar, "pebbles", progress);
-    if (!asset) return asset.error();
-    return write_content_exchange_scene(*asset, std::move(scene), folder, progress);
+    return exemplar;
 }
 
-/// The scene in `folder` that was made of this very picture, among those that its name leads to; else empty.
-std::string id_of_picture(const Rgb8Image& picture, const fs::path& folder, const std::string& name) {
+proto::Exchange& exchange_of(proto::Scene& scene, ExchangeMethod method) {
+    switch (method) {
+        case ExchangeMethod::interchange:
+            return *scene.mutable_interchange();
+        case ExchangeMethod::wang:
+            return *scene.mutable_wang();
+        case ExchangeMethod::content_exchange:
+            break;
+    }
+    return *scene.mutable_content_exchange();
+}
+
+/// The asset in the scene's folder if a person pinned or dropped some of its contents.
+std::optional<ExchangeAsset> with_a_persons_word(const fs::path& folder, const Preparation& made,
+                                                 const Rgb8Image& exemplar) {
+    if (made.photo != photo_id(exemplar)) return std::nullopt;
+    auto asset = read_exchange_asset(folder / asset_folder_name);
+    if (!asset) return std::nullopt;
+    for (const auto& patch : asset->patches)
+        for (const auto& content : patch.contents)
+            if (content.standing != ExchangeAsset::Standing::chosen) return std::move(*asset);
+    return std::nullopt;
+}
+
+/// `before`: the scene's folder if only its asset is to be renewed. `where` names the exemplar in messages.
+Result<RecordedAsset> prepare(const Rgb8Image& exemplar, const std::string& where,
+                              const PrepareOptions& options, const fs::path* before, Progress& progress) {
+    std::optional<ExchangeAsset> judged;
+    PrepareOptions wanted = options;
+    if (const auto made = before ? preparation_of(*before) : std::nullopt) {
+        judged = with_a_persons_word(*before, *made, exemplar);
+        if (judged) wanted = recorded_options(*judged, *made);
+        wanted.threads = options.threads;
+    }
+    auto prepared = prepare_recorded(exemplar, {}, wanted, judged ? &*judged : nullptr, progress);
+    if (!prepared) return Error{prepared.error().code, where + ": " + prepared.error().detail};
+    return prepared;
+}
+
+/// Writes the scene; or, where one is to be kept, nothing but its asset.
+Result<void> write(const RecordedAsset& made, proto::Scene scene, const fs::path& folder, bool keep_scene,
+                   Progress& progress) {
+    progress.advance("writing", 0);
+    Result<void> written;
+    if (keep_scene) {
+        written = write_exchange_asset(folder / asset_folder_name, made.asset, made.preparation);
+    } else {
+        proto::Exchange& exchange = exchange_of(scene, made.asset.method);
+        exchange.set_asset(asset_folder_name);
+        exchange.set_seed(made.preparation.seed);
+        written = write_scene_folder(folder, scene, &made);
+    }
+    progress.advance("writing", 1);
+    return written;
+}
+
+/// Whether the folder holds a scene whose asset this version would prepare otherwise.
+bool is_outdated(const fs::path& folder) {
+    const auto made = preparation_of(folder);
+    return made && made->version != prepare_version;
+}
+
+/// The scene in `folder` that was made of this very picture by this method, among those that its name leads
+/// to; else empty.
+std::string id_of_picture(const Rgb8Image& picture, ExchangeMethod method, const fs::path& folder,
+                          const std::string& name) {
     for (int number = 1; number <= most_of_one_name; ++number)
         if (const std::string id = numbered_id(name, number);
-            find_sample(id) == nullptr && was_made_of(folder / id, picture))
+            find_sample(id) == nullptr && was_made_of(folder / id, picture, method))
             return id;
     return {};
 }
@@ -90,7 +125,7 @@ Result<Made> make_pattern(proto::Scene scene, Sample::Source source, const fs::p
     } else {
         scene.mutable_checker()->set_cell_texels(32);
     }
-    if (auto written = write_scene_folder(folder, scene, nullptr, 0); !written) return written.error();
+    if (auto written = write_scene_folder(folder, scene, nullptr); !written) return written.error();
     return Made::written;
 }
 
@@ -99,8 +134,12 @@ Result<Made> make_pattern(proto::Scene scene, Sample::Source source, const fs::p
 const std::vector<Sample>& all_samples() {
     using enum Sample::Source;
     constexpr std::string_view gallery = "Photograph from LibreOffice's gallery, as packaged by Debian";
+    constexpr std::string_view painted = "Painted by Tessera";
     static const std::vector<Sample> samples{
-        {"pebbles", "Pebbles", "Painted by Tessera", painting},
+        {"pebbles", "Pebbles", painted, painting},
+        {"pebbles-interchange", "Pebbles, interchangeable patches", painted, painting,
+         ExchangeMethod::interchange},
+        {"pebbles-wang", "Pebbles, corner-coloured tiles", painted, painting, ExchangeMethod::wang},
         {"coffee", "Coffee beans", gallery, photograph},
         {"stones", "Stones", gallery, photograph},
         {"maple-leaves", "Maple leaves", gallery, photograph},
@@ -124,38 +163,53 @@ fs::path photo_of(const Sample& sample, const fs::path& photos) {
 Result<Made> make_sample(const Sample& sample, const fs::path& folder, const fs::path& photos, bool force,
                          Progress& progress) {
     const fs::path target = folder / sample.name;
-    if (!force && holds_valid_scene(target)) return Made::kept;
+    const bool keep_scene = !force && holds_valid_scene(target);
+    if (keep_scene && !is_outdated(target)) return Made::kept;
     proto::Scene scene = described(sample.title, sample.attribution);
-    if (sample.source == Sample::Source::photograph)
-        return make_of_photo(photo_of(sample, photos), std::move(scene), target, progress);
-    if (sample.source == Sample::Source::painting)
-        return make_of_painting(std::move(scene), target, progress);
-    return make_pattern(std::move(scene), sample.source, target);
+    if (sample.source == Sample::Source::constant || sample.source == Sample::Source::checker)
+        return make_pattern(std::move(scene), sample.source, target);
+
+    // What is outdated is better than nothing
+    const fs::path photo = photo_of(sample, photos);
+    const bool is_painted = sample.source == Sample::Source::painting;
+    if (std::error_code failure; keep_scene && !is_painted && !fs::exists(photo, failure)) return Made::kept;
+    const auto exemplar = is_painted ? paint(progress) : read_rgb_image(photo);
+    if (!exemplar) return exemplar.error();
+    PrepareOptions options;
+    options.method = sample.method;
+    const auto made = prepare(*exemplar, is_painted ? std::string{sample.name} : photo.string(), options,
+                              keep_scene ? &target : nullptr, progress);
+    if (!made) return made.error();
+    if (auto done = write(*made, std::move(scene), target, keep_scene, progress); !done) return done.error();
+    return Made::written;
 }
 
-Result<PhotoScene> make_photo_scene(const fs::path& photo, const fs::path& folder, bool force,
-                                    Progress& progress) {
-    const auto exemplar = read_rgb_image(photo);
+Result<PhotoScene> make_photo_scene(const fs::path& photo, const fs::path& folder,
+                                    const PhotoSceneOptions& options, Progress& progress) {
+    const auto exemplar = read_rgb_image(photo, options.limits);
     if (!exemplar) return exemplar.error();
-    const std::string name = scene_id_of(photo);
-    std::string id = id_of_picture(*exemplar, folder, name);
-    if (!id.empty() && !force) {
-        if (const auto scene = load_scene(folder / id); !scene)
+    const std::string name = scene_id_of(photo, options.prepare.method);
+    std::string id = id_of_picture(*exemplar, options.prepare.method, folder, name);
+    const fs::path there = folder / id;
+    const bool keep_scene = !id.empty() && !options.force;
+    if (keep_scene) {
+        if (const auto scene = load_scene(there); !scene)
             return Error{scene.error().code,
                          scene.error().detail + "; mend it, or make it again: tessera scene --force"};
-        return PhotoScene{id, Made::kept};
+        if (!is_outdated(there)) return PhotoScene{id, Made::kept};
     }
-    const auto asset = prepare(*exemplar, photo.string(), progress);
-    if (!asset) return asset.error();
+    const auto made =
+        prepare(*exemplar, photo.string(), options.prepare, keep_scene ? &there : nullptr, progress);
+    if (!made) return made.error();
     // Only now, since a name may have been taken during the minutes of preparation
     if (id.empty()) id = free_id(folder, name);
     if (id.empty())
         return Error{ErrorCode::invalid_input, (folder / name).string() + ": is there, and so are " +
                                                    std::to_string(most_of_one_name) +
                                                    " of that name; rename the photograph"};
-    const auto made = write_content_exchange_scene(*asset, described(id, ""), folder / id, progress);
-    if (!made) return made.error();
-    return PhotoScene{id, *made};
+    if (auto done = write(*made, described(id, ""), folder / id, keep_scene, progress); !done)
+        return done.error();
+    return PhotoScene{id, Made::written};
 }
 
 }  // namespace tessera

@@ -5,7 +5,9 @@
 #include <string_view>
 #include <vector>
 
+#include "server/prepare/recorded.h"
 #include "server/progress/progress.h"
+#include "server/scene/image_file.h"
 #include "shared/result/result.h"
 
 namespace tessera {
@@ -17,6 +19,7 @@ struct Sample {
     std::string_view title;
     std::string_view attribution;
     Source source = Source::photograph;
+    ExchangeMethod method = ExchangeMethod::content_exchange;  ///< Of what is made of an image.
 };
 
 const std::vector<Sample>& all_samples();
@@ -30,8 +33,9 @@ std::filesystem::path photo_of(const Sample& sample, const std::filesystem::path
 /// What became of a scene folder.
 enum class Made { kept, written };
 
-/// Makes `folder`/NAME, unless a scene that loads is there already and `force` is not set. Errors:
-/// io_failure, invalid_input, cancelled; the message names the file.
+/// Makes `folder`/NAME, unless a scene that loads is there already and `force` is not set. An asset that
+/// another version prepared is prepared again; the scene file stays as it is, and so do contents that a
+/// person pinned or dropped. Errors: io_failure, invalid_input, cancelled; the message names the file.
 Result<Made> make_sample(const Sample& sample, const std::filesystem::path& folder,
                          const std::filesystem::path& photos, bool force, Progress& progress);
 
@@ -40,10 +44,17 @@ struct PhotoScene {
     Made made = Made::kept;
 };
 
-/// Makes a scene of a person's own photograph in `folder`. A picture that has a scene there keeps it, unless
-/// `force` is set; a new one is put where nothing is: in scene_id_of(photo), or with a number behind it,
-/// never under a sample's name. Errors as above, and invalid_input if the picture's scene does not load.
+struct PhotoSceneOptions {
+    PrepareOptions prepare;
+    ImageLimits limits;
+    bool force = false;
+};
+
+/// Makes a scene of a person's own photograph in `folder`. A picture that has a scene of the method there
+/// keeps it, as make_sample() does, unless `force` is set; a new one is put where nothing is: in
+/// scene_id_of(photo), with the method behind it if that is not content exchange, or with a number; never
+/// under a sample's name. Errors as above, and invalid_input if the picture's scene does not load.
 Result<PhotoScene> make_photo_scene(const std::filesystem::path& photo, const std::filesystem::path& folder,
-                                    bool force, Progress& progress);
+                                    const PhotoSceneOptions& options, Progress& progress);
 
 }  // namespace tessera

@@ -22,6 +22,11 @@ bool is_plain(char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '.';
 }
 
+/// The id is cut where it would be too long with the suffix behind it.
+std::string suffixed(const std::string& id, const std::string& suffix) {
+    return id.substr(0, longest_id - suffix.size()) + suffix;
+}
+
 Error failed(const fs::path& path, const std::error_code& failure, const char* fix) {
     return {ErrorCode::io_failure, path.string() + ": " + failure.message() + "; " + fix};
 }
@@ -40,10 +45,10 @@ Result<fs::path> make_unfinished_folder(const fs::path& target) {
     return made;
 }
 
-Result<void> fill(const fs::path& folder, const proto::Scene& scene, const ExchangeAsset* asset,
-                  std::uint64_t seed) {
+Result<void> fill(const fs::path& folder, const proto::Scene& scene, const RecordedAsset* asset) {
     if (asset != nullptr)
-        if (auto written = write_exchange_asset(folder / asset_folder_name, *asset, seed); !written)
+        if (auto written = write_exchange_asset(folder / asset_folder_name, asset->asset, asset->preparation);
+            !written)
             return written;
     // Last, since a folder without it is no scene
     const std::string text = write_brief_json(scene);
@@ -69,14 +74,19 @@ std::string scene_id_of(const fs::path& photo) {
     return id.empty() ? "photo" : id;
 }
 
+std::string scene_id_of(const fs::path& photo, ExchangeMethod method) {
+    const std::string id = scene_id_of(photo);
+    return method == ExchangeMethod::content_exchange ? id
+                                                      : suffixed(id, '-' + std::string{method_name(method)});
+}
+
 std::string numbered_id(const std::string& id, int number) {
     if (number == 1) return id;
-    const std::string suffix = '-' + std::to_string(number);
-    return id.substr(0, longest_id - suffix.size()) + suffix;
+    return suffixed(id, '-' + std::to_string(number));
 }
 
 Result<void> write_scene_folder(const fs::path& folder, const proto::Scene& scene,
-                                const ExchangeAsset* asset, std::uint64_t seed) {
+                                const RecordedAsset* asset) {
     std::error_code failure;
     if (fs::exists(folder, failure) && !fs::is_empty(folder, failure) &&
         !fs::exists(folder / "scene.json", failure))
@@ -86,7 +96,7 @@ Result<void> write_scene_folder(const fs::path& folder, const proto::Scene& scen
     const fs::path target = fs::absolute(folder, failure).lexically_normal();
     const auto made = make_unfinished_folder(target);
     if (!made) return made.error();
-    Result<void> done = fill(*made, scene, asset, seed);
+    Result<void> done = fill(*made, scene, asset);
     if (done) done = move_into_place(*made, target);
     fs::remove_all(*made, failure);
     return done ? sync_folder(target.parent_path()) : done;
@@ -97,9 +107,18 @@ bool holds_valid_scene(const fs::path& folder) {
     return fs::exists(folder / "scene.json", failure) && load_scene(folder).has_value();
 }
 
-bool was_made_of(const fs::path& folder, const Rgb8Image& photo) {
+std::optional<Preparation> preparation_of(const fs::path& folder) {
     std::error_code failure;
-    if (!fs::exists(folder / "scene.json", failure)) return false;
+    if (!fs::exists(folder / "scene.json", failure)) return std::nullopt;
+    const auto made = read_preparation(folder / asset_folder_name);
+    return made ? std::optional{*made} : std::nullopt;
+}
+
+bool was_made_of(const fs::path& folder, const Rgb8Image& photo, ExchangeMethod method) {
+    const auto made = preparation_of(folder);
+    if (!made || made->method != method) return false;
+    if (!made->photo.empty()) return made->photo == photo_id(photo);
+    // An asset of the version before that record
     const auto asset = read_exchange_asset(folder / asset_folder_name);
     return asset && asset->exemplar.width == photo.width && asset->exemplar.height == photo.height &&
            asset->exemplar.bytes == photo.bytes;

@@ -1,9 +1,10 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
-#include "server/texture/exchange.h"
+#include "server/prepare/recorded.h"
 #include "shared/result/result.h"
 
 namespace tessera::proto {
@@ -16,6 +17,9 @@ namespace tessera {
 /// '_' and '.' replaced, at most 64 characters; "photo" if nothing is left.
 std::string scene_id_of(const std::filesystem::path& photo);
 
+/// The same with "-interchange" or "-wang" behind it, for what is made by these methods.
+std::string scene_id_of(const std::filesystem::path& photo, ExchangeMethod method);
+
 /// "wall", "wall-2", "wall-3", … for 1, 2, 3, …: ids for pictures of one name. `id` is cut where the suffix
 /// would make it longer than 64 characters.
 std::string numbered_id(const std::string& id, int number);
@@ -27,12 +31,16 @@ inline constexpr const char* asset_folder_name = "asset";
 /// not at all: a neighbour that is moved into place. What was there is replaced, if it was a scene. Errors:
 /// io_failure, invalid_input (a folder that is there and no scene).
 Result<void> write_scene_folder(const std::filesystem::path& folder, const proto::Scene& scene,
-                                const ExchangeAsset* asset, std::uint64_t seed);
+                                const RecordedAsset* asset);
 
 /// Whether `folder` holds a scene that loads.
 bool holds_valid_scene(const std::filesystem::path& folder);
 
-/// Whether `folder` has a scene file, whatever it says now, and an asset of exactly this photograph.
-bool was_made_of(const std::filesystem::path& folder, const Rgb8Image& photo);
+/// What a scene folder says of its asset's making; nothing if it has no asset of ours, or none that says so.
+std::optional<Preparation> preparation_of(const std::filesystem::path& folder);
+
+/// Whether `folder` has a scene file, whatever it says now, and an asset of exactly this photograph for this
+/// method.
+bool was_made_of(const std::filesystem::path& folder, const Rgb8Image& photo, ExchangeMethod method);
 
 }  // namespace tessera

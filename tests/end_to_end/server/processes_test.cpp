@@ -41,7 +41,7 @@ class Processes : public testing::Test {
     void SetUp() override {
         const std::filesystem::path scene = folder.path / "noise";
         std::filesystem::create_directories(scene);
-        ASSERT_TRUE(write_exchange_asset(scene / "asset", tests::make_synthetic_asset({}), 1));
+        ASSERT_TRUE(write_exchange_asset(scene / "asset", tests::make_synthetic_asset({}), {}));
         std::ofstream{scene / "scene.json"} << R"({"content_exchange": {"asset": "asset"}})";
     }
     std::unique_ptr<Program> serve(const std::string& threads) const {

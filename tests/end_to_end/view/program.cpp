@@ -103,7 +103,7 @@ SceneServer::SceneServer()
           R"({"extent_log2_pages": 30, "content_exchange": {"asset": "asset", "seed": 5, "types": 256}})");
     const auto asset = folder_ / "scenes" / "noise" / "asset";
     fs::create_directories(asset);
-    if (!write_exchange_asset(asset, tests::make_synthetic_asset({}), 1))
+    if (!write_exchange_asset(asset, tests::make_synthetic_asset({}), {}))
         throw std::runtime_error{"cannot write the asset"};
     program_ = std::make_unique<Program>(std::vector<std::string>{
         TESSERA_PROGRAM, "serve", "--scenes", (folder_ / "scenes").string(), "--listen", "127.0.0.1:0"});

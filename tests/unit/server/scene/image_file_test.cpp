@@ -96,6 +96,29 @@ TEST_F(ImageFile, labels_come_back_in_8_and_in_16_bits) {
     }
 }
 
+TEST_F(ImageFile, bits_come_back_one_by_one) {
+    for (const auto& [width, height] : {std::pair{1, 1}, {8, 3}, {67, 65}, {200, 1}}) {
+        BitMask mask{width, height};
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x)
+                if (hash(5, 6, x, y) % 3 == 0) mask.set(x, y);
+        ASSERT_TRUE(write_bit_png(at("bits.png"), mask));
+        EXPECT_EQ(bytes_of(at("bits.png"))[24], 1);
+        const auto read = read_bit_image(at("bits.png"));
+        ASSERT_TRUE(read) << read.error().detail;
+        EXPECT_EQ(*read, mask) << width;
+    }
+    // As other programs save them
+    const std::vector<std::uint8_t> greys{0, 100, 127, 128, 255};
+    write_foreign(at("grey.png"), 5, 1, 1, OIIO::TypeDesc::UINT8, greys.data());
+    const auto read = read_bit_image(at("grey.png"));
+    ASSERT_TRUE(read) << read.error().detail;
+    EXPECT_EQ(read->bytes, std::vector<std::uint8_t>{0b00011000});
+    ASSERT_TRUE(write_rgb_png(at("rgb.png"), noise(4, 4)));
+    EXPECT_THAT(read_bit_image(at("rgb.png")).error().detail,
+                HasSubstr(at("rgb.png").string() + ": is no grey PNG of 1 or 8 bits"));
+}
+
 TEST_F(ImageFile, the_first_bytes_tell_the_format_whatever_the_name) {
     const Rgb8Image image = noise(64, 48);
     const std::vector<std::uint8_t> smooth(3 * 64 * 48, 90);
@@ -149,6 +172,18 @@ TEST_F(ImageFile, opaque_alpha_is_dropped_and_transparency_refused) {
     const std::vector<std::uint8_t> grey_alpha{10, 255, 20, 3};
     write_foreign(at("clear-grey.png"), 2, 1, 2, OIIO::TypeDesc::UINT8, grey_alpha.data());
     expect_refused(at("clear-grey.png"), ErrorCode::invalid_input, "transparent texels; fill them");
+}
+
+/// A JPEG in the colours of a printer, as layout programs save it. OIIO writes none, so libjpeg's own words
+/// are kept.
+TEST_F(ImageFile, a_printers_colours_are_refused) {
+    const std::vector<std::uint8_t> cmyk(4 * 16 * 16, 40);
+    write_foreign(at("cmyk.tif"), 16, 16, 4, OIIO::TypeDesc::UINT8, cmyk.data(), [](OIIO::ImageSpec& spec) {
+        spec.attribute("tiff:ColorSpace", "CMYK");
+        spec.channelnames = {"C", "M", "Y", "K"};
+        spec.alpha_channel = -1;
+    });
+    expect_refused(at("cmyk.tif"), ErrorCode::invalid_input, "the colours of a printer; save it as RGB");
 }
 
 TEST_F(ImageFile, stands_as_its_orientation_says) {

@@ -50,8 +50,7 @@ TEST_F(SceneFolders, TheFingerprintCoversSceneFileAndAssetsAndNothingElse) {
     std::vector<std::string> prints;
     for (const std::uint64_t seed : {1u, 1u, 2u}) {
         const fs::path folder = scene("scene" + std::to_string(prints.size()), json);
-        ASSERT_TRUE(
-            write_exchange_asset(folder / "asset", tests::make_synthetic_asset({.seed = seed}), 1));
+        ASSERT_TRUE(write_exchange_asset(folder / "asset", tests::make_synthetic_asset({.seed = seed}), {}));
         const auto loaded = load_scene(folder);
         ASSERT_TRUE(loaded.has_value()) << loaded.error().detail;
         prints.push_back((*loaded)->fingerprint);
@@ -116,15 +115,14 @@ TEST_F(SceneFolders, ASceneIsCalledAsItsEntryAlsoThroughALink) {
 }
 
 TEST_F(SceneFolders, AnAssetTooLargeForMemoryIsRefusedUnbuilt) {
-    // Small on disk: a tile of 1024 in 256 patches whose boxes are half the tile, with 255 contents each
-    ExchangeAsset asset =
-        tests::make_synthetic_asset({.tile_side = 1024, .patches = 256, .contents = 2});
+    // Small on disk: a tile of 1024 in 16 patches whose boxes are half the tile, with 80 contents each
+    ExchangeAsset asset = tests::make_synthetic_asset({.tile_side = 1024, .patches = 16, .contents = 2});
     for (auto& patch : asset.patches) {
         patch.width = patch.height = 512;
-        patch.contents.assign(255, {{4, 4}, {}});
+        patch.contents.assign(80, {{4, 4}, {}, {}, 0});
     }
     const fs::path folder = scene("huge", R"({"content_exchange": {"asset": "asset"}})");
-    ASSERT_TRUE(write_exchange_asset(folder / "asset", asset, 1));
+    ASSERT_TRUE(write_exchange_asset(folder / "asset", asset, {}));
     const auto loaded = load_scene(folder);
     ASSERT_FALSE(loaded.has_value());
     EXPECT_THAT(loaded.error().detail, HasSubstr("content_exchange.asset"));
@@ -192,7 +190,62 @@ INSTANTIATE_TEST_SUITE_P(
                     Bad{R"({"content_exchange": {"asset": "/etc"}})", "content_exchange.asset"},
                     Bad{R"({"content_exchange": {"asset": "../other"}})", "leaves the scene's folder"},
                     Bad{R"({"content_exchange": {"asset": "a", "types": 100}})", "content_exchange.types"},
-                    Bad{R"({"content_exchange": {"asset": "a", "choice": "sigma"}})", "choice"}));
+                    Bad{R"({"content_exchange": {"asset": "a", "choice": "sigma"}})", "choice"},
+                    Bad{R"({"content_exchange": {"asset": "a", "choice": "kolar"}})",
+                        R"(content_exchange.choice: "typed" or "independent")"},
+                    Bad{R"({"interchange": {"asset": "a", "choice": "independent"}})",
+                        R"(interchange.choice: "typed" or "kolar")"},
+                    Bad{R"({"wang": {"asset": "a", "choice": "kolar"}})", R"(wang.choice: "typed" only)"},
+                    Bad{R"({"wang": {"asset": "a", "types": 63}})", "wang.types: is 63; a power of two"},
+                    Bad{R"({"interchange": {}})", "interchange.asset: is missing"}));
+
+TEST_F(SceneFolders, EveryMethodIsAFieldOfItsOwn) {
+    const std::vector<std::pair<std::string, ExchangeAsset>> methods{
+        {"content_exchange", tests::make_synthetic_asset({})},
+        {"interchange", tests::make_synthetic_interchange({})},
+        {"wang", tests::make_synthetic_wang({})}};
+    for (const auto& [field, asset] : methods)
+        for (const auto& [other, unused] : methods) {
+            const fs::path folder =
+                scene("scene", "{\"" + other + R"(": {"asset": "asset", "seed": 3, "types": 64}})");
+            ASSERT_TRUE(write_exchange_asset(folder / "asset", asset, {}));
+            const auto loaded = load_scene(folder);
+            if (field == other) {
+                ASSERT_TRUE(loaded.has_value()) << loaded.error().detail;
+                EXPECT_EQ((*loaded)->texture->kind(), field);
+                EXPECT_TRUE((*loaded)->channels.empty());
+            } else {
+                ASSERT_FALSE(loaded.has_value());
+                EXPECT_THAT(loaded.error().detail,
+                            HasSubstr("scene.json: " + other + ".asset: \"asset\" was prepared for " + field +
+                                      "; name the field so"));
+            }
+        }
+}
+
+TEST_F(SceneFolders, TheChoiceOfTheMethodsOwnPaperIsThereToCompare) {
+    const fs::path folder = scene("kolar", R"({"interchange": {"asset": "asset", "choice": "kolar"}})");
+    ExchangeAsset asset = tests::make_synthetic_interchange({.patches = 60});
+    ASSERT_TRUE(write_exchange_asset(folder / "asset", asset, {}));
+    const auto loaded = load_scene(folder);
+    ASSERT_TRUE(loaded.has_value()) << loaded.error().detail;
+    for (auto& patch : asset.patches) patch.set = ExchangeAsset::Set::none;
+    ASSERT_TRUE(write_exchange_asset(folder / "asset", asset, {}));
+    EXPECT_THAT(load_scene(folder).error().detail,
+                HasSubstr("interchange.choice: \"kolar\" needs patches of both sets"));
+}
+
+TEST_F(SceneFolders, AlignedImagesBecomeChannelSets) {
+    ExchangeAsset asset = tests::make_synthetic_asset({});
+    asset.channels = {{"height", asset.exemplar, asset.tile}, {"normal", asset.exemplar, asset.tile}};
+    const fs::path folder = scene("surface", R"({"content_exchange": {"asset": "asset", "types": 64}})");
+    ASSERT_TRUE(write_exchange_asset(folder / "asset", asset, {}));
+    const auto loaded = load_scene(folder);
+    ASSERT_TRUE(loaded.has_value()) << loaded.error().detail;
+    EXPECT_EQ((*loaded)->channel_names(), "albedo, normal, height, moments");
+    EXPECT_NE((*loaded)->texture_of(ChannelSet::height), nullptr);
+    EXPECT_EQ((*loaded)->texture_of(ChannelSet::roughness), nullptr);
+}
 
 TEST_F(SceneFolders, ALinkThatLeavesTheFolderIsRefused) {
     const fs::path folder = scene("linked", R"({"content_exchange": {"asset": "asset"}})");

@@ -65,7 +65,7 @@ TEST(PhotoScene, ShowsThePhotographUnderItsName) {
     SilentProgress progress;
     const fs::path photo = temporary.path / "my garden.png", scenes = temporary.path / "scenes";
     write_photo(photo, 1);
-    const auto made = make_photo_scene(photo, scenes, false, progress);
+    const auto made = make_photo_scene(photo, scenes, {}, progress);
     ASSERT_TRUE(made) << made.error().detail;
     EXPECT_EQ(made->made, Made::written);
     EXPECT_EQ(made->id, "my-garden");
@@ -77,7 +77,7 @@ TEST(PhotoScene, ShowsThePhotographUnderItsName) {
 /// Makes the scene, and says "ID written" or "ID kept"; or what went wrong.
 std::string outcome(const fs::path& photo, const fs::path& scenes, bool force = false) {
     SilentProgress progress;
-    const auto made = make_photo_scene(photo, scenes, force, progress);
+    const auto made = make_photo_scene(photo, scenes, {.prepare = {}, .limits = {}, .force = force}, progress);
     if (!made) return made.error().detail;
     return made->id + (made->made == Made::kept ? " kept" : " written");
 }
@@ -151,7 +151,7 @@ TEST(PhotoScene, AFileThatIsNoImageIsAnErrorThatNamesIt) {
     SilentProgress progress;
     const fs::path photo = temporary.path / "notes.jpg";
     std::ofstream{photo} << "these are not the texels you are looking for";
-    const auto made = make_photo_scene(photo, temporary.path / "scenes", false, progress);
+    const auto made = make_photo_scene(photo, temporary.path / "scenes", {}, progress);
     ASSERT_FALSE(made);
     EXPECT_NE(made.error().detail.find("notes.jpg"), std::string::npos);
     EXPECT_FALSE(fs::exists(temporary.path / "scenes" / "notes"));

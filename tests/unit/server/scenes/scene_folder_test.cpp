@@ -48,7 +48,7 @@ TEST(NumberedId, IsAPlainIdForTheFirstAndNeverLong) {
 
 TEST(SceneFolder, WritesASceneThatLoads) {
     const tests::TemporaryFolder temporary;
-    ASSERT_TRUE(write_scene_folder(temporary.path / "plain", constant_scene(7), nullptr, 0));
+    ASSERT_TRUE(write_scene_folder(temporary.path / "plain", constant_scene(7), nullptr));
     const auto scene = load_scene(temporary.path / "plain");
     ASSERT_TRUE(scene) << scene.error().detail;
     EXPECT_EQ((*scene)->id, "plain");
@@ -58,9 +58,9 @@ TEST(SceneFolder, WritesASceneThatLoads) {
 
 TEST(SceneFolder, ReplacesASceneAndLeavesNothingElseBehind) {
     const tests::TemporaryFolder temporary;
-    ASSERT_TRUE(write_scene_folder(temporary.path / "plain", constant_scene(7), nullptr, 0));
+    ASSERT_TRUE(write_scene_folder(temporary.path / "plain", constant_scene(7), nullptr));
     const std::string before = (*load_scene(temporary.path / "plain"))->fingerprint;
-    ASSERT_TRUE(write_scene_folder(temporary.path / "plain", constant_scene(8), nullptr, 0));
+    ASSERT_TRUE(write_scene_folder(temporary.path / "plain", constant_scene(8), nullptr));
     EXPECT_NE((*load_scene(temporary.path / "plain"))->fingerprint, before);
     EXPECT_EQ(std::distance(fs::directory_iterator{temporary.path}, fs::directory_iterator{}), 1);
 }
@@ -68,7 +68,7 @@ TEST(SceneFolder, ReplacesASceneAndLeavesNothingElseBehind) {
 TEST(SceneFolder, LeavesAnotherOnesUnfinishedFolderAlone) {
     const tests::TemporaryFolder temporary;
     fs::create_directory(temporary.path / ".plain.unfinished");
-    ASSERT_TRUE(write_scene_folder(temporary.path / "plain", constant_scene(7), nullptr, 0));
+    ASSERT_TRUE(write_scene_folder(temporary.path / "plain", constant_scene(7), nullptr));
     EXPECT_TRUE(fs::exists(temporary.path / ".plain.unfinished"));
     const auto catalog = load_catalog(temporary.path);
     ASSERT_TRUE(catalog) << catalog.error().detail;
@@ -78,7 +78,7 @@ TEST(SceneFolder, LeavesAnotherOnesUnfinishedFolderAlone) {
 
 TEST(SceneFolder, TheSceneFileSaysOnlyWhatIsSet) {
     const tests::TemporaryFolder temporary;
-    ASSERT_TRUE(write_scene_folder(temporary.path / "plain", constant_scene(7), nullptr, 0));
+    ASSERT_TRUE(write_scene_folder(temporary.path / "plain", constant_scene(7), nullptr));
     const std::string text = read_whole_file(temporary.path / "plain" / "scene.json", 1000).value();
     EXPECT_NE(text.find("title"), std::string::npos);
     EXPECT_EQ(text.find("extent_log2_pages"), std::string::npos) << text;
@@ -89,7 +89,7 @@ TEST(SceneFolder, RefusesToReplaceAFolderThatIsNoScene) {
     const tests::TemporaryFolder temporary;
     fs::create_directory(temporary.path / "letters");
     std::ofstream{temporary.path / "letters" / "dear.txt"} << "kept";
-    const auto written = write_scene_folder(temporary.path / "letters", constant_scene(7), nullptr, 0);
+    const auto written = write_scene_folder(temporary.path / "letters", constant_scene(7), nullptr);
     ASSERT_FALSE(written);
     EXPECT_EQ(written.error().code, ErrorCode::invalid_input);
     EXPECT_TRUE(fs::exists(temporary.path / "letters" / "dear.txt"));
@@ -98,7 +98,7 @@ TEST(SceneFolder, RefusesToReplaceAFolderThatIsNoScene) {
 TEST(SceneFolder, SaysWhereItCouldNotWrite) {
     const tests::TemporaryFolder temporary;
     std::ofstream{temporary.path / "file"} << "not a folder";
-    const auto written = write_scene_folder(temporary.path / "file" / "scene", constant_scene(7), nullptr, 0);
+    const auto written = write_scene_folder(temporary.path / "file" / "scene", constant_scene(7), nullptr);
     ASSERT_FALSE(written);
     EXPECT_NE(written.error().detail.find("file"), std::string::npos);
 }

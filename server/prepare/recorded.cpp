@@ -1,0 +1,86 @@
+#include "server/prepare/recorded.h"
+
+#include <algorithm>
+
+namespace tessera {
+namespace {
+
+Rgb8Image cut(const Rgb8Image& image, const std::vector<PhotoPoint>& sources, std::int32_t width,
+              std::int32_t height) {
+    Rgb8Image out{width, height, {}};
+    out.bytes.reserve(3 * sources.size());
+    for (const PhotoPoint& from : sources) {
+        const std::size_t at = 3 * (std::size_t(from.y) * std::size_t(image.width) + std::size_t(from.x));
+        out.bytes.insert(out.bytes.end(), image.bytes.begin() + std::ptrdiff_t(at),
+                         image.bytes.begin() + std::ptrdiff_t(at + 3));
+    }
+    return out;
+}
+
+std::string size_of(const Rgb8Image& image) {
+    return std::to_string(image.width) + "×" + std::to_string(image.height);
+}
+
+}  // namespace
+
+Result<RecordedAsset> prepare_recorded(const Rgb8Image& photo, const std::vector<AlignedImage>& aligned,
+                                       const PrepareOptions& options, const ExchangeAsset* before,
+                                       Progress& progress) {
+    for (const AlignedImage& other : aligned)
+        if (other.image.width != photo.width || other.image.height != photo.height)
+            return Error{ErrorCode::invalid_input,
+                         "is " + size_of(photo) + ", but --" + other.name + " is " + size_of(other.image) +
+                             "; aligned images show the same surface texel by texel"};
+    auto prepared = prepare_exchange(photo, options, before, progress);
+    if (!prepared) return prepared.error();
+
+    RecordedAsset made;
+    made.asset = std::move(prepared->asset);
+    const ExchangeAsset& asset = made.asset;
+    for (const AlignedImage& other : aligned) {
+        Rgb8Image tile = cut(other.image, prepared->tile_sources, asset.tile_side, asset.tile_side);
+        Rgb8Image exemplar =
+            prepared->exemplar_sources.empty()
+                ? other.image
+                : cut(other.image, prepared->exemplar_sources, asset.exemplar.width, asset.exemplar.height);
+        made.asset.channels.push_back({other.name, std::move(exemplar), std::move(tile)});
+    }
+    made.preparation = {.method = asset.method,
+                        .version = prepare_version,
+                        .photo = photo_id(photo),
+                        .seed = options.seed,
+                        .tile_side = options.tile_side,
+                        .patches = options.patches,
+                        .contents = options.contents,
+                        .colors = options.colors,
+                        .blend_texels = options.blend_texels,
+                        .painted_patch_map = !options.patch_map.empty()};
+    return made;
+}
+
+PrepareOptions recorded_options(const ExchangeAsset& asset, const Preparation& preparation) {
+    PrepareOptions options;
+    options.method = asset.method;
+    options.tile_side = preparation.tile_side;
+    options.patches = preparation.patches;
+    options.contents = preparation.contents;
+    options.colors = preparation.colors;
+    options.blend_texels = preparation.blend_texels;
+    options.seed = preparation.seed;
+    if (preparation.painted_patch_map) options.patch_map = asset.labels;
+    return options;
+}
+
+std::vector<TerminalProgress::Share> prepare_shares(ExchangeMethod method) {
+    switch (method) {
+        case ExchangeMethod::interchange:
+            return {{"tile", 0.2}, {"patches", 0.7}, {"sets", 0.1}};
+        case ExchangeMethod::wang:
+            return {{"tiles", 1.0}};
+        case ExchangeMethod::content_exchange:
+            break;
+    }
+    return {{"tile", 0.1}, {"patches", 0.05}, {"contents", 0.85}};
+}
+
+}  // namespace tessera

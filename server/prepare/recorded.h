@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "server/prepare/prepare.h"
+#include "server/progress/terminal_progress.h"
+#include "server/scene/asset_file.h"
+
+namespace tessera {
+
+/// Raise it whenever the same photograph and options give another asset: assets of another version are made
+/// again where that needs nobody's consent.
+inline constexpr std::uint32_t prepare_version = 3;
+
+/// A further image of the photograph's surface, as large as the photograph: "normal", "roughness" or
+/// "height".
+struct AlignedImage {
+    std::string name;
+    Rgb8Image image;
+};
+
+/// An asset with its channels, and the record of how it was made.
+struct RecordedAsset {
+    ExchangeAsset asset;
+    Preparation preparation;
+};
+
+/// prepare_exchange(), and the aligned images cut the same way. `before`, if any, is an asset of the same
+/// options. Errors: as there, and invalid_input for an aligned image of another size.
+Result<RecordedAsset> prepare_recorded(const Rgb8Image& photo, const std::vector<AlignedImage>& aligned,
+                                       const PrepareOptions& options, const ExchangeAsset* before,
+                                       Progress& progress);
+
+/// What the asset was prepared with, to go on from there.
+PrepareOptions recorded_options(const ExchangeAsset& asset, const Preparation& preparation);
+
+/// The method's stages and what each takes of the time, as a progress bar wants them.
+std::vector<TerminalProgress::Share> prepare_shares(ExchangeMethod method);
+
+}  // namespace tessera
