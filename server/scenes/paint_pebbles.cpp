@@ -1,6 +1,7 @@
 #include "server/scenes/paint_pebbles.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <thread>
 
@@ -68,11 +69,14 @@ Surface pebble_at(const PebblePile& pile, const Pebble& pebble, std::int32_t x, 
             normalised(slope(step, 0.0) + pit_x, slope(0.0, step) + pit_y), pebble.gloss};
 }
 
-/// `open` is how much of the sky reaches this place.
-LinearColor lit(const PebblePile& pile, std::int32_t x, std::int32_t y, double open) {
+Surface surface_at(const PebblePile& pile, std::int32_t x, std::int32_t y) {
     const std::int32_t owner = pile.owner[pile.index(x, y)];
-    const Surface surface = owner < 0 ? sand_at(pile, x, y)
-                                      : pebble_at(pile, pile.pebbles[static_cast<std::size_t>(owner)], x, y);
+    return owner < 0 ? sand_at(pile, x, y)
+                     : pebble_at(pile, pile.pebbles[static_cast<std::size_t>(owner)], x, y);
+}
+
+/// `open` is how much of the sky reaches this place.
+LinearColor lit(const PebblePile& pile, const Surface& surface, std::int32_t x, std::int32_t y, double open) {
     const Normal n = surface.normal;
 
     const double facing = std::max(0.0, n.x * sun_x + n.y * sun_y + n.z * sun_z);
@@ -113,37 +117,74 @@ double skylight_of_texel(const PebblePile& pile, std::int32_t left, std::int32_t
     return skylight(pile, best_x, best_y);
 }
 
-void paint_row(const PebblePile& pile, std::int32_t y, Rgb8Image& image) {
-    std::uint8_t* out = image.bytes.data() + std::size_t(y) * std::size_t(image.width) * 3;
-    for (std::int32_t x = 0; x < image.width; ++x) {
+/// Of a value from 0 to 1.
+std::uint8_t to_255th(double value) noexcept {
+    return static_cast<std::uint8_t>(std::clamp(value, 0.0, 1.0) * 255.0 + 0.5);
+}
+
+/// The span of heights in the pile.
+struct Heights {
+    double lowest, highest;
+};
+
+void paint_row(const PebblePile& pile, Heights heights, std::int32_t y, PaintedSurface& painted) {
+    constexpr double share = 1.0 / (oversampling * oversampling);
+    const std::int32_t width = painted.color.width;
+    for (std::int32_t x = 0; x < width; ++x) {
         const std::int32_t left = x * oversampling, top = y * oversampling;
         const double open = skylight_of_texel(pile, left, top);
         LinearColor sum{};
+        double slope_x = 0.0, slope_y = 0.0, gloss = 0.0, height = 0.0;
         for (std::int32_t j = 0; j < oversampling; ++j)
             for (std::int32_t i = 0; i < oversampling; ++i) {
-                const LinearColor sample = lit(pile, left + i, top + j, open);
+                const Surface surface = surface_at(pile, left + i, top + j);
+                const LinearColor sample = lit(pile, surface, left + i, top + j, open);
                 for (std::size_t c = 0; c < 3; ++c) sum[c] += sample[c];
+                slope_x += surface.normal.x / surface.normal.z * share;
+                slope_y += surface.normal.y / surface.normal.z * share;
+                gloss += surface.gloss * share;
+                height += static_cast<double>(pile.height[pile.index(left + i, top + j)]) * share;
             }
-        for (const double channel : sum) *out++ = to_code(channel / (oversampling * oversampling));
+        const std::size_t at = 3 * (std::size_t(y) * std::size_t(width) + std::size_t(x));
+        for (std::size_t c = 0; c < 3; ++c)
+            painted.color.bytes[at + c] = to_code(sum[c] / (oversampling * oversampling));
+
+        // The canvas' y points down, a normal map's up
+        const double half = 0.5 / std::sqrt(slope_x * slope_x + slope_y * slope_y + 1.0);
+        const std::array<double, 3> normal{0.5 + slope_x * half, 0.5 - slope_y * half, 0.5 + half};
+        for (std::size_t c = 0; c < 3; ++c) {
+            painted.normal.bytes[at + c] = to_255th(normal[c]);
+            painted.roughness.bytes[at + c] = to_255th(0.85 - 0.4 * gloss);
+            painted.height.bytes[at + c] =
+                to_255th((height - heights.lowest) / std::max(heights.highest - heights.lowest, 1e-9));
+        }
     }
 }
 
 }  // namespace
 
-Rgb8Image paint_pebbles(std::int32_t side, std::uint64_t seed) {
+PaintedSurface paint_pebble_surface(std::int32_t side, std::uint64_t seed) {
     side = std::clamp(side, min_painting_side, max_painting_side);
     const PebblePile pile = lay_pebbles(side * oversampling, oversampling, seed);
 
-    Rgb8Image image{side, side, std::vector<std::uint8_t>(std::size_t(side) * std::size_t(side) * 3)};
+    const auto [lowest, highest] = std::minmax_element(pile.height.begin(), pile.height.end());
+    const Heights heights{double{*lowest}, double{*highest}};
+
+    const Rgb8Image blank{side, side, std::vector<std::uint8_t>(std::size_t(side) * std::size_t(side) * 3)};
+    PaintedSurface painted{blank, blank, blank, blank};
     // Rows do not depend on each other: one thread for each core
     std::vector<std::jthread> painters;
     const auto count = std::clamp(static_cast<std::int32_t>(std::thread::hardware_concurrency()), 1, 16);
     for (std::int32_t first = 0; first < count; ++first)
-        painters.emplace_back([&pile, &image, first, count] {
-            for (std::int32_t y = first; y < image.height; y += count) paint_row(pile, y, image);
+        painters.emplace_back([&pile, heights, &painted, side, first, count] {
+            for (std::int32_t y = first; y < side; y += count) paint_row(pile, heights, y, painted);
         });
     painters.clear();
-    return image;
+    return painted;
+}
+
+Rgb8Image paint_pebbles(std::int32_t side, std::uint64_t seed) {
+    return paint_pebble_surface(side, seed).color;
 }
 
 }  // namespace tessera

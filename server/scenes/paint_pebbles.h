@@ -15,4 +15,13 @@ inline constexpr std::int32_t max_painting_side = 4096;
 /// same arguments give the same bytes on every machine and compiler: +, −, ×, ÷ and square roots only.
 Rgb8Image paint_pebbles(std::int32_t side, std::uint64_t seed);
 
+/// The same picture with what it was painted from, texel by texel.
+struct PaintedSurface {
+    Rgb8Image color;
+    Rgb8Image normal;     ///< Of the mean slopes; x to the right, y up (OpenGL).
+    Rgb8Image roughness;  ///< Grey.
+    Rgb8Image height;     ///< Grey, from the lowest sand to the highest stone.
+};
+PaintedSurface paint_pebble_surface(std::int32_t side, std::uint64_t seed);
+
 }  // namespace tessera

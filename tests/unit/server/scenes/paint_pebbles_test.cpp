@@ -28,6 +28,37 @@ TEST(PaintPebbles, GivesTheSameBytesOnEveryMachine) {
     EXPECT_EQ(XXH3_64bits(painting().bytes.data(), painting().bytes.size()), 7247466472578105773u);
 }
 
+TEST(PaintPebbles, GivesTheSameSurfaceBelowThePictureOnEveryMachine) {
+    const PaintedSurface surface = paint_pebble_surface(side, 1);
+    const auto hash_of = [](const Rgb8Image& image) {
+        return XXH3_64bits(image.bytes.data(), image.bytes.size());
+    };
+    EXPECT_EQ(surface.color.bytes, painting().bytes);
+    EXPECT_EQ(hash_of(surface.normal), 1423213329544486734u);
+    EXPECT_EQ(hash_of(surface.roughness), 6575703970012123877u);
+    EXPECT_EQ(hash_of(surface.height), 4819540648249659172u);
+}
+
+TEST(PaintPebbles, NormalsAreUnitVectorsThatFollowTheHeights) {
+    const PaintedSurface surface = paint_pebble_surface(side, 1);
+    const auto at = [](const Rgb8Image& image, std::int32_t x, std::int32_t y, std::size_t c) {
+        return int{image.bytes[std::size_t(y * image.width + x) * 3 + c]};
+    };
+    double x_agrees = 0, y_agrees = 0;
+    for (std::int32_t y = 1; y + 1 < side; ++y)
+        for (std::int32_t x = 1; x + 1 < side; ++x) {
+            double n[3];
+            for (std::size_t c = 0; c < 3; ++c) n[c] = at(surface.normal, x, y, c) / 127.5 - 1.0;
+            ASSERT_NEAR(n[0] * n[0] + n[1] * n[1] + n[2] * n[2], 1.0, 0.02);
+            ASSERT_GT(n[2], 0);
+            // Where it rises to the right, the normal leans left; where it rises downwards, it leans up
+            x_agrees -= n[0] * (at(surface.height, x + 1, y, 0) - at(surface.height, x - 1, y, 0));
+            y_agrees += n[1] * (at(surface.height, x, y + 1, 0) - at(surface.height, x, y - 1, 0));
+        }
+    EXPECT_GT(x_agrees, side * side);
+    EXPECT_GT(y_agrees, side * side);
+}
+
 TEST(PaintPebbles, AnotherSeedPaintsOtherStones) {
     const Rgb8Image other = paint_pebbles(side, 2);
     std::size_t equal = 0;
