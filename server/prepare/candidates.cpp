@@ -56,74 +56,24 @@ std::uint64_t Liveliness::weigh(std::uint64_t cost, const Offset& at, std::int32
     return cost * 2 * mean_ / (here + mean_);
 }
 
-namespace {
+PhotoUses::PhotoUses(const PerceptualImage& photo)
+    : width_{photo.width / cell + 1},
+      height_{photo.height / cell + 1},
+      counts_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_)) {}
 
-/// How often each cell of the photograph is shown.
-class Uses {
-  public:
-    explicit Uses(const PerceptualImage& photo)
-        : width_{photo.width / cell + 1},
-          height_{photo.height / cell + 1},
-          counts_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_)) {}
+std::uint64_t PhotoUses::relative(const Offset& at, std::int32_t width, std::int32_t height) const {
+    std::uint64_t sum = 0, cells = 0;
+    for (std::int32_t y = at.y / cell; y <= (at.y + height - 1) / cell; ++y)
+        for (std::int32_t x = at.x / cell; x <= (at.x + width - 1) / cell; ++x, ++cells)
+            sum += counts_[index(x, y)];
+    const std::uint64_t mean = 256 * total_ / counts_.size() + 64;
+    return 256 * (256 * sum / cells) / mean;
+}
 
-    /// The mean over a patch's box, in 256ths.
-    std::uint64_t mean(const Offset& at, const ExchangeAsset::Patch& box) const {
-        std::uint64_t sum = 0, cells = 0;
-        for (std::int32_t y = at.y / cell; y <= (at.y + box.height - 1) / cell; ++y)
-            for (std::int32_t x = at.x / cell; x <= (at.x + box.width - 1) / cell; ++x, ++cells)
-                sum += count(x, y);
-        return 256 * sum / cells;
-    }
-
-    void add(const Offset& at, const ExchangeAsset::Patch& box) {
-        for (std::int32_t y = at.y / cell; y <= (at.y + box.height - 1) / cell; ++y)
-            for (std::int32_t x = at.x / cell; x <= (at.x + box.width - 1) / cell; ++x, ++total_)
-                ++counts_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
-                          static_cast<std::size_t>(x)];
-    }
-
-    /// The mean over the photograph, in 256ths.
-    std::uint64_t overall_mean() const { return 256 * total_ / counts_.size(); }
-
-  private:
-    static constexpr std::int32_t cell = 8;
-    std::uint64_t count(std::int32_t x, std::int32_t y) const {
-        return counts_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
-                       static_cast<std::size_t>(x)];
-    }
-    std::int32_t width_, height_;
-    std::vector<std::uint32_t> counts_;
-    std::uint64_t total_ = 0;
-};
-
-}  // namespace
-
-std::vector<std::vector<Candidate>> choose_evenly(const std::vector<std::vector<Candidate>>& candidates,
-                                                  const std::vector<ExchangeAsset::Patch>& patches,
-                                                  std::size_t wanted, const PerceptualImage& photo) {
-    Uses uses{photo};
-    std::vector<std::vector<Candidate>> left = candidates, chosen(candidates.size());
-    for (std::size_t round = 0; round < wanted; ++round)
-        for (std::size_t p = 0; p < left.size(); ++p) {
-            if (left[p].empty()) continue;
-            // Shown as often as the average costs threefold, never shown costs what it costs
-            const std::uint64_t average = uses.overall_mean() + 64;
-            std::size_t best = 0;
-            std::uint64_t best_cost = ~std::uint64_t{0};
-            for (std::size_t i = 0; i < left[p].size(); ++i) {
-                const std::uint64_t use = 256 * uses.mean(left[p][i].at, patches[p]) / average;
-                const std::uint64_t cost = left[p][i].cost * (128 + use);
-                if (cost < best_cost) {
-                    best_cost = cost;
-                    best = i;
-                }
-            }
-            chosen[p].push_back(left[p][best]);
-            uses.add(left[p][best].at, patches[p]);
-            left[p].erase(left[p].begin() + static_cast<std::ptrdiff_t>(best));
-        }
-    for (auto& contents : chosen) std::sort(contents.begin(), contents.end());
-    return chosen;
+void PhotoUses::add(const Offset& at, std::int32_t width, std::int32_t height) {
+    for (std::int32_t y = at.y / cell; y <= (at.y + height - 1) / cell; ++y)
+        for (std::int32_t x = at.x / cell; x <= (at.x + width - 1) / cell; ++x, ++total_)
+            ++counts_[index(x, y)];
 }
 
 }  // namespace tessera

@@ -47,11 +47,23 @@ class Liveliness {
     std::uint64_t mean_ = 0;
 };
 
-/// Chooses `wanted` of each patch's candidates, which lie apart already, so that the whole photograph is
-/// shown about equally often: in turn each patch takes what is cheapest, in view of how often it is shown
-/// already.
-std::vector<std::vector<Candidate>> choose_evenly(const std::vector<std::vector<Candidate>>& candidates,
-                                                  const std::vector<ExchangeAsset::Patch>& patches,
-                                                  std::size_t wanted, const PerceptualImage& photo);
+/// How often each part of the photograph is shown.
+class PhotoUses {
+  public:
+    explicit PhotoUses(const PerceptualImage& photo);
+
+    /// The mean over a box, in 256ths of the mean over the photograph.
+    std::uint64_t relative(const ExchangeAsset::Offset& at, std::int32_t width, std::int32_t height) const;
+    void add(const ExchangeAsset::Offset& at, std::int32_t width, std::int32_t height);
+
+  private:
+    static constexpr std::int32_t cell = 8;
+    std::size_t index(std::int32_t x, std::int32_t y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+    }
+    std::int32_t width_, height_;
+    std::vector<std::uint32_t> counts_;
+    std::uint64_t total_ = 0;
+};
 
 }  // namespace tessera

@@ -18,7 +18,7 @@ constexpr std::int32_t most_patches = 256;
 /// What is asked for, and the method's own numbers where nothing is.
 PrepareOptions with_defaults(PrepareOptions options) {
     if (options.tile_side == 0) options.tile_side = 512;
-    if (options.patches == 0) options.patches = 64;
+    if (options.patches == 0) options.patches = 16;
     if (options.contents == 0) options.contents = 24;
     if (options.blend_texels == -1) options.blend_texels = 4;
     if (options.threads == 0) options.threads = std::max(1u, std::thread::hardware_concurrency());
@@ -100,21 +100,12 @@ Result<PrepareOptions> fitted(const Rgb8Image& photo, PrepareOptions options, Pr
     return options;
 }
 
-Result<void> take_contents(const std::vector<std::vector<Candidate>>& found, std::int32_t wanted,
+Result<void> take_contents(const std::vector<std::vector<ShapedContent>>& found, std::int32_t wanted,
                            ExchangeAsset& asset, Progress& progress) {
     std::size_t fewest = found.front().size(), short_of = 0;
     for (std::size_t p = 0; p < found.size(); ++p) {
-        auto& patch = asset.patches[p];
-        // Every content fills its patch
-        BitMask shape{patch.width, patch.height};
-        const std::int32_t wrap = asset.tile_side - 1;
-        for (std::int32_t y = 0; y < patch.height; ++y)
-            for (std::int32_t x = 0; x < patch.width; ++x)
-                if (const auto texel = static_cast<std::size_t>(((patch.y + y) & wrap) * asset.tile_side +
-                                                                ((patch.x + x) & wrap));
-                    asset.labels[texel] == p)
-                    shape.set(x, y);
-        for (const Candidate& content : found[p]) patch.contents.push_back({content.at, shape});
+        for (const ShapedContent& content : found[p])
+            asset.patches[p].contents.push_back({content.at, content.shape});
         fewest = std::min(fewest, found[p].size());
         short_of += found[p].size() < static_cast<std::size_t>(wanted) ? 1 : 0;
     }
@@ -156,7 +147,7 @@ Result<PreparedAsset> prepare_content_exchange(const Rgb8Image& photo, const Pre
     if (progress.stop().stop_requested()) return stopped;
 
     // Find what else of the photograph each patch may show
-    const std::vector<std::vector<Candidate>> found =
+    const std::vector<std::vector<ShapedContent>> found =
         find_contents(colors, tile_colors, tile, segmentation,
                       {options->contents, options->blend_texels, options->threads}, progress);
     if (progress.stop().stop_requested()) return stopped;

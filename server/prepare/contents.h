@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/prepare/candidates.h"
+#include "server/prepare/content_choice.h"
 #include "server/prepare/patches.h"
 #include "server/prepare/perceptual.h"
 #include "server/prepare/tile.h"
@@ -22,9 +22,10 @@ struct ContentSearch {
 /// around it lies inside the photograph. Together they show all of the
 /// photograph about equally often. The best fit comes first; fewer than wanted where the photograph holds no
 /// more.
-std::vector<std::vector<Candidate>> find_contents(const PerceptualImage& photo,
-                                                  const PerceptualImage& tile_colors,
-                                                  const PeriodicTile& tile, const Segmentation& segmentation,
-                                                  const ContentSearch& search, Progress& progress);
+std::vector<std::vector<ShapedContent>> find_contents(const PerceptualImage& photo,
+                                                      const PerceptualImage& tile_colors,
+                                                      const PeriodicTile& tile,
+                                                      const Segmentation& segmentation,
+                                                      const ContentSearch& search, Progress& progress);
 
 }  // namespace tessera

@@ -1,6 +1,7 @@
 #include "server/prepare/perceptual.h"
 
 #include <array>
+#include <cmath>
 
 #include "shared/math/srgb.h"
 
@@ -27,6 +28,15 @@ std::vector<std::int32_t> make_curve() {
 }
 
 }  // namespace
+
+std::uint32_t distance(PerceptualColor a, PerceptualColor b) noexcept {
+    const std::uint32_t square = static_cast<std::uint32_t>(difference(a, b)) << 4;
+    // Whatever the guess, the integers decide
+    auto root = static_cast<std::uint32_t>(std::sqrt(static_cast<float>(square)));
+    while (root * root > square) --root;
+    while ((root + 1) * (root + 1) <= square) ++root;
+    return root;
+}
 
 PerceptualImage to_perceptual(const Rgb8Image& image) {
     static const std::vector<std::int32_t> curve = make_curve();

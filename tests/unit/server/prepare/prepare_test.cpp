@@ -80,7 +80,7 @@ TEST(Prepare, every_compiler_and_build_makes_this_very_asset) {
     const auto asset = prepare_content_exchange(test::made_photo(180, 150), small, nullptr, progress);
     ASSERT_TRUE(asset);
     // Changes when preparation changes, and only then: never between compilers or build types
-    EXPECT_EQ(fingerprint(asset->asset), 0xf612eb558159c490u)
+    EXPECT_EQ(fingerprint(asset->asset), 0x77b29973f63baf6au)
         << std::hex << "0x" << fingerprint(asset->asset);
 }
 
@@ -107,7 +107,6 @@ TEST(Prepare, takes_the_largest_tile_that_a_small_photograph_allows_and_says_so)
     ASSERT_TRUE(asset) << asset.error().detail;
     EXPECT_EQ(asset->asset.tile_side, 64);
     EXPECT_THAT(progress.notes, HasSubstr("the photograph of 90×75 is too small for a tile of 512"));
-    EXPECT_THAT(progress.notes, HasSubstr("about 16 patches, not 64"));
 }
 
 TEST(Prepare, manages_the_least_photograph_and_refuses_a_smaller_one) {
