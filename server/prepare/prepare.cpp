@@ -8,10 +8,11 @@ Result<PreparedAsset> prepare_exchange(const Rgb8Image& photo, const PrepareOpti
         case ExchangeMethod::content_exchange:
             return prepare_content_exchange(photo, options, before, progress);
         case ExchangeMethod::interchange:
+            return prepare_interchange(photo, options, before, progress);
         case ExchangeMethod::wang:
             break;
     }
-    return Error{ErrorCode::invalid_input, "--method: only content_exchange can be prepared"};
+    return Error{ErrorCode::invalid_input, "--method: wang cannot be prepared"};
 }
 
 }  // namespace tessera

@@ -78,7 +78,8 @@ struct Place {
     }
 };
 
-/// Where in the photograph the block fits best: a coarse grid of places and texels, then ever finer around the best.
+/// Where in the photograph the block fits best: a coarse grid of places and texels, then ever finer around
+/// the best.
 PhotoPoint best_place(const PerceptualImage& photo, const Quilt& quilt, std::int32_t left, std::int32_t top,
                       std::int32_t side) {
     std::int32_t step = 1;
@@ -108,10 +109,12 @@ PhotoPoint best_place(const PerceptualImage& photo, const Quilt& quilt, std::int
 }
 
 /// Lays the photograph's block over what is there, divided where it shows least.
-void lay_block(Quilt& quilt, const PerceptualImage& photo, std::int32_t left, std::int32_t top, std::int32_t side,
-               PhotoPoint at) {
+void lay_block(Quilt& quilt, const PerceptualImage& photo, std::int32_t left, std::int32_t top,
+               std::int32_t side, PhotoPoint at) {
     CutGrid grid{side, side};
-    const auto is_laid = [&](std::int32_t x, std::int32_t y) { return quilt.laid[quilt.index(left + x, top + y)] != 0; };
+    const auto is_laid = [&](std::int32_t x, std::int32_t y) {
+        return quilt.laid[quilt.index(left + x, top + y)] != 0;
+    };
     const auto price = [&](std::int32_t x, std::int32_t y, std::int32_t u, std::int32_t v) -> std::uint32_t {
         const bool here = is_laid(x, y), there = is_laid(u, v);
         if (!here && !there) return 0;
@@ -125,8 +128,10 @@ void lay_block(Quilt& quilt, const PerceptualImage& photo, std::int32_t left, st
         for (std::int32_t x = 0; x < side; ++x) {
             const std::size_t i = grid.index(x, y);
             const bool rim = x == 0 || y == 0 || x == side - 1 || y == side - 1;
-            if (!is_laid(x, y)) grid.outside[i] = CutGrid::must;
-            else if (rim) grid.inside[i] = CutGrid::must;
+            if (!is_laid(x, y))
+                grid.outside[i] = CutGrid::must;
+            else if (rim)
+                grid.inside[i] = CutGrid::must;
             if (x + 1 < side) grid.right[i] = price(x, y, x + 1, y);
             if (y + 1 < side) grid.below[i] = price(x, y, x, y + 1);
         }
@@ -143,8 +148,8 @@ void lay_block(Quilt& quilt, const PerceptualImage& photo, std::int32_t left, st
 }
 
 /// One tile, begun with the photograph's block at `first`. The side of a block is at most the photograph's.
-QuiltedTile quilt_from(const PerceptualImage& photo, std::int32_t side, const Layout& layout, PhotoPoint first,
-                       const Progress& progress) {
+QuiltedTile quilt_from(const PerceptualImage& photo, std::int32_t side, const Layout& layout,
+                       PhotoPoint first, const Progress& progress) {
     Quilt quilt{side};
     for (std::int32_t row = 0; row < layout.count; ++row)
         for (std::int32_t column = 0; column < layout.count; ++column) {
@@ -159,8 +164,8 @@ QuiltedTile quilt_from(const PerceptualImage& photo, std::int32_t side, const La
 
 }  // namespace
 
-QuiltedTile quilt_tile(const PerceptualImage& photo, std::int32_t side, std::uint64_t seed, std::size_t threads,
-                       Progress& progress) {
+QuiltedTile quilt_tile(const PerceptualImage& photo, std::int32_t side, std::uint64_t seed,
+                       std::size_t threads, Progress& progress) {
     constexpr std::uint64_t beginnings_stream = stream("quilting");
     constexpr std::size_t most_beginnings = 8;
     const Layout layout = layout_of(photo, side);

@@ -1,19 +1,40 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 
 #include "server/prepare/perceptual.h"
 
 namespace tessera {
 
-/// What a border between the neighbouring texels s and t costs, where one side of it shows the layer a and the other
-/// the layer b: the gradient that results (the mean of both ways round), and how much the layers differ at either
-/// texel. Squared, so that one bad place costs more than many small ones. Below 2^24: a CutGrid takes it.
-constexpr std::uint32_t seam_price(PerceptualColor a_s, PerceptualColor a_t, PerceptualColor b_s,
-                                   PerceptualColor b_t) noexcept {
-    return static_cast<std::uint32_t>((difference(a_s, b_t) + difference(b_s, a_t)) / 2 + difference(a_s, b_s) +
-                                      difference(a_t, b_t)) +
-           1;
+namespace seam_detail {
+
+/// Sixteen times the square root of 16·i, rounded down.
+inline constexpr auto roots = [] {
+    std::array<std::uint16_t, 65536> table{};
+    std::uint32_t root = 0;
+    for (std::uint32_t i = 0; i < table.size(); ++i) {
+        while ((root + 1) * (root + 1) <= i * 4096) ++root;
+        table[i] = static_cast<std::uint16_t>(root);
+    }
+    return table;
+}();
+
+}  // namespace seam_detail
+
+/// How far two colours lie apart, in 128ths of a CIELAB unit; what is beyond 128 units counts as that.
+inline std::uint32_t distance(PerceptualColor a, PerceptualColor b) noexcept {
+    return seam_detail::roots[static_cast<std::size_t>(std::min(difference(a, b) >> 4, 65535))];
+}
+
+/// What a border between the neighbouring texels s and t costs, where one side of it shows the layer a and
+/// the other the layer b: the gradient that results (both ways round), and how much the layers differ at
+/// either texel. Below 2^16 + 2. Distances, not their squares: many small steps are seen as much as one large
+/// one.
+inline std::uint32_t seam_price(PerceptualColor a_s, PerceptualColor a_t, PerceptualColor b_s,
+                                PerceptualColor b_t) noexcept {
+    return distance(a_s, b_t) + distance(b_s, a_t) + distance(a_s, b_s) + distance(a_t, b_t) + 1;
 }
 
 }  // namespace tessera
