@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 
 #include "server/bake/commands.h"
+#include "server/compare/commands.h"
 #include "server/http/commands.h"
 #include "server/prepare/commands.h"
 #include "server/scenes/commands.h"
@@ -13,9 +14,10 @@ int main(int argc, char** argv) {
     app.set_version_flag("--version", std::string{"tessera "} + TESSERA_VERSION);
     int exit_code = 0;
     tessera::add_serve_command(app, exit_code);
-    tessera::add_prepare_command(app, exit_code);  // prepare, report
-    tessera::add_bake_commands(app, exit_code);    // page, bake, check
-    tessera::add_scenes_command(app, exit_code);   // samples
+    tessera::add_prepare_command(app, exit_code);   // prepare, report
+    tessera::add_bake_commands(app, exit_code);     // page, bake, check
+    tessera::add_compare_commands(app, exit_code);  // quality, compare
+    tessera::add_scenes_command(app, exit_code);    // samples
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& wrong) {

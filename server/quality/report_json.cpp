@@ -5,6 +5,8 @@
 #include <cmath>
 #include <string_view>
 
+#include "server/scene/asset_file.h"
+
 namespace tessera {
 namespace {
 
@@ -105,16 +107,10 @@ void write(Json& json, std::string_view key, const Fidelity::Distances& distance
 
 }  // namespace
 
-std::string_view name_of(ExchangeMethod method) noexcept {
-    return method == ExchangeMethod::content_exchange ? "content_exchange"
-           : method == ExchangeMethod::interchange    ? "interchange"
-                                                      : "wang";
-}
-
 std::string report_json(const ExchangeAsset& asset, const Quality& quality, const ContentSheets& contents) {
     Json json;
     json.open("", '{');
-    json.text("method", name_of(asset.method));
+    json.text("method", method_name(asset.method));
     json.whole("tile_side", static_cast<std::uint64_t>(asset.tile_side));
     json.whole("patches", asset.patches.size());
     json.whole("contents", contents.contents.size() + contents.left_out);

@@ -7,9 +7,6 @@
 
 namespace tessera {
 
-/// "content_exchange", "interchange", "wang".
-std::string_view name_of(ExchangeMethod method) noexcept;
-
 /// All figures, for programs: numbers with six significant digits, one object a figure.
 std::string report_json(const ExchangeAsset& asset, const Quality& quality, const ContentSheets& contents);
 
