@@ -26,11 +26,26 @@ proto::Scene described(std::string_view title, std::string_view attribution) {
     return scene;
 }
 
-Result<Rgb8Image> paint(Progress& progress) {
+/// What a scene is made of.
+struct Picture {
+    Rgb8Image exemplar;
+    std::vector<AlignedImage> aligned;
+};
+
+Picture paint(Progress& progress) {
     progress.advance("painting", 0);
-    Rgb8Image exemplar = paint_pebbles(painting_side, painting_seed);
+    PaintedSurface painted = paint_pebble_surface(painting_side, painting_seed);
     progress.advance("painting", 1);
-    return exemplar;
+    return {std::move(painted.color),
+            {{"normal", std::move(painted.normal)},
+             {"roughness", std::move(painted.roughness)},
+             {"height", std::move(painted.height)}}};
+}
+
+Result<Picture> read_picture(const fs::path& photo, const ImageLimits& limits) {
+    auto exemplar = read_rgb_image(photo, limits);
+    if (!exemplar) return exemplar.error();
+    return Picture{std::move(*exemplar), {}};
 }
 
 proto::Exchange& exchange_of(proto::Scene& scene, ExchangeMethod method) {
@@ -58,16 +73,17 @@ std::optional<ExchangeAsset> with_a_persons_word(const fs::path& folder, const P
 }
 
 /// `before`: the scene's folder if only its asset is to be renewed. `where` names the exemplar in messages.
-Result<RecordedAsset> prepare(const Rgb8Image& exemplar, const std::string& where,
-                              const PrepareOptions& options, const fs::path* before, Progress& progress) {
+Result<RecordedAsset> prepare(const Picture& picture, const std::string& where, const PrepareOptions& options,
+                              const fs::path* before, Progress& progress) {
     std::optional<ExchangeAsset> judged;
     PrepareOptions wanted = options;
     if (const auto made = before ? preparation_of(*before) : std::nullopt) {
-        judged = with_a_persons_word(*before, *made, exemplar);
+        judged = with_a_persons_word(*before, *made, picture.exemplar);
         if (judged) wanted = recorded_options(*judged, *made);
         wanted.threads = options.threads;
     }
-    auto prepared = prepare_recorded(exemplar, {}, wanted, judged ? &*judged : nullptr, progress);
+    auto prepared =
+        prepare_recorded(picture.exemplar, picture.aligned, wanted, judged ? &*judged : nullptr, progress);
     if (!prepared) return Error{prepared.error().code, where + ": " + prepared.error().detail};
     return prepared;
 }
@@ -173,11 +189,12 @@ Result<Made> make_sample(const Sample& sample, const fs::path& folder, const fs:
     const fs::path photo = photo_of(sample, photos);
     const bool is_painted = sample.source == Sample::Source::painting;
     if (std::error_code failure; keep_scene && !is_painted && !fs::exists(photo, failure)) return Made::kept;
-    const auto exemplar = is_painted ? paint(progress) : read_rgb_image(photo);
-    if (!exemplar) return exemplar.error();
+    const Result<Picture> picture =
+        is_painted ? Result<Picture>{paint(progress)} : read_picture(photo, ImageLimits{});
+    if (!picture) return picture.error();
     PrepareOptions options;
     options.method = sample.method;
-    const auto made = prepare(*exemplar, is_painted ? std::string{sample.name} : photo.string(), options,
+    const auto made = prepare(*picture, is_painted ? std::string{sample.name} : photo.string(), options,
                               keep_scene ? &target : nullptr, progress);
     if (!made) return made.error();
     if (auto done = write(*made, std::move(scene), target, keep_scene, progress); !done) return done.error();
@@ -186,10 +203,10 @@ Result<Made> make_sample(const Sample& sample, const fs::path& folder, const fs:
 
 Result<PhotoScene> make_photo_scene(const fs::path& photo, const fs::path& folder,
                                     const PhotoSceneOptions& options, Progress& progress) {
-    const auto exemplar = read_rgb_image(photo, options.limits);
-    if (!exemplar) return exemplar.error();
+    const auto picture = read_picture(photo, options.limits);
+    if (!picture) return picture.error();
     const std::string name = scene_id_of(photo, options.prepare.method);
-    std::string id = id_of_picture(*exemplar, options.prepare.method, folder, name);
+    std::string id = id_of_picture(picture->exemplar, options.prepare.method, folder, name);
     const fs::path there = folder / id;
     const bool keep_scene = !id.empty() && !options.force;
     if (keep_scene) {
@@ -199,7 +216,7 @@ Result<PhotoScene> make_photo_scene(const fs::path& photo, const fs::path& folde
         if (!is_outdated(there)) return PhotoScene{id, Made::kept};
     }
     const auto made =
-        prepare(*exemplar, photo.string(), options.prepare, keep_scene ? &there : nullptr, progress);
+        prepare(*picture, photo.string(), options.prepare, keep_scene ? &there : nullptr, progress);
     if (!made) return made.error();
     // Only now, since a name may have been taken during the minutes of preparation
     if (id.empty()) id = free_id(folder, name);

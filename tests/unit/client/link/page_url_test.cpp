@@ -17,6 +17,10 @@ TEST(PageUrl, NamesOnlyWhatIsNotTheDefaultInOneOrder) {
               "/scenes/s/1/0/0.webp?gutter=4&accuracy=exact");
     EXPECT_EQ(page_target("s", Extent{1}, {}, {PageFormat::jpg, 4, Accuracy::high}),
               "/scenes/s/1/0/0.jpg?gutter=4");
+    EXPECT_EQ(page_target("s", Extent{1}, {}, {PageFormat::png, 0, Accuracy::high, ChannelSet::normal}),
+              "/scenes/s/1/0/0.png?channels=normal");
+    EXPECT_EQ(page_target("s", Extent{1}, {}, {PageFormat::png, 4, Accuracy::fast, ChannelSet::height}),
+              "/scenes/s/1/0/0.png?gutter=4&accuracy=fast&channels=height");
 }
 
 TEST(PageUrl, EncodesASceneThatTriesToLeaveItsSegment) {

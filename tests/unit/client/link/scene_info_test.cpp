@@ -25,6 +25,14 @@ TEST(SceneInfo, ComesFromTileJsonAndSkipsWhatItDoesNotKnow) {
     EXPECT_EQ(info->revision, 7u);
     EXPECT_EQ(info->fingerprint, "abc");
     EXPECT_THAT(info->formats, ::testing::ElementsAre("png", "rgba"));
+    EXPECT_THAT(info->channels, ::testing::ElementsAre("albedo"));  // this server names none
+}
+
+TEST(SceneInfo, NamesTheChannelSets) {
+    const auto info = parse_scene_info(
+        R"({"tessera": {"id": "a", "page_side": 256, "channels": ["albedo", "normal"]}})", "here");
+    ASSERT_TRUE(info) << info.error().detail;
+    EXPECT_THAT(info->channels, ::testing::ElementsAre("albedo", "normal"));
 }
 
 TEST(SceneInfo, NamesTheScenesThereAreIfTheOneAskedForIsNotAmongThem) {

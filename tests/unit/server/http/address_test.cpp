@@ -47,12 +47,21 @@ TEST(PageQuery, HasOneCanonicalForm) {
     EXPECT_EQ(page_query("gutter=0&accuracy=high").value().canonical(), "");
     EXPECT_EQ(page_query("accuracy=exact&gutter=4").value().canonical(), "?gutter=4&accuracy=exact");
     EXPECT_EQ(page_query("accuracy=fast").value().canonical(), "?accuracy=fast");
+    EXPECT_EQ(page_query("channels=albedo").value().canonical(), "");
+    EXPECT_EQ(page_query("channels=normal&accuracy=exact&gutter=4").value().canonical(),
+              "?gutter=4&accuracy=exact&channels=normal");
 }
 
 TEST(PageQuery, RefusesWhatItDoesNotKnow) {
     for (const char* query : {"gutter=17", "gutter=04", "gutter", "gutter=1&gutter=1", "Gutter=1",
-                              "accuracy=", "&", "step=3", "gutter=1&&accuracy=fast", "gutter=%34"})
+                              "accuracy=", "&", "step=3", "gutter=1&&accuracy=fast", "gutter=%34",
+                              "channels=", "channels=Normal", "channels=normal&channels=normal"})
         EXPECT_EQ(page_query(query).error().status, 400u) << query;
+}
+
+TEST(PageQuery, ListsTheChannelSetsThereAre) {
+    const std::string why = page_query("channels=specular").error().why;
+    for (const ChannelSet set : channel_sets) EXPECT_NE(why.find(name_of(set)), std::string::npos) << why;
 }
 
 }  // namespace

@@ -1,8 +1,10 @@
 #include "server/pages/page_encoder.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <string_view>
 #include <thread>
 
 #include <OpenImageIO/imageio.h>
@@ -11,6 +13,7 @@
 #include <webp/decode.h>
 #include <zstd.h>
 
+#include "server/pages/one_colour_pages.h"
 #include "server/texture/constant_texture.h"
 #include "shared/math/srgb.h"
 
@@ -127,6 +130,32 @@ TEST(PageEncoder, APageOfOneColourIsAFewBytesInEveryLosslessFormat) {
         image.bytes.back() ^= 1;
         EXPECT_FALSE(is_one_colour(image));
     }
+}
+
+TEST(PageEncoder, APngSaysThatColourIsSrgbAndNothingOfData) {
+    const auto says_srgb = [](const EncodedBytes& png) {
+        constexpr std::string_view chunk = "sRGB";
+        return std::search(png.begin(), png.end(), chunk.begin(), chunk.end()) != png.end();
+    };
+    Rgba8Image one_colour{256, 256};
+    std::fill(one_colour.bytes.begin(), one_colour.bytes.end(), std::uint8_t{255});
+    for (const Rgba8Image& image : {make_image(64, opaque), one_colour}) {
+        EXPECT_TRUE(says_srgb(encode_page(image, PageFormat::png).value()));
+        const EncodedBytes data = encode_page(image, PageFormat::png, TexelKind::data).value();
+        EXPECT_FALSE(says_srgb(data));
+        EXPECT_EQ(decode(data, PageFormat::png), image);
+    }
+}
+
+TEST(OneColourPages, TellColourFromData) {
+    Rgba8Image image{256, 256};
+    std::fill(image.bytes.begin(), image.bytes.end(), std::uint8_t{255});
+    OneColourPages pages;
+    const auto color =
+                   pages.encode(image, TexelKind::color, PageFormat::png, ContentCoding::identity).value(),
+               data = pages.encode(image, TexelKind::data, PageFormat::png, ContentCoding::identity).value();
+    EXPECT_NE(*color, *data);
+    EXPECT_EQ(pages.encode(image, TexelKind::color, PageFormat::png, ContentCoding::identity).value(), color);
 }
 
 TEST(PageEncoder, TheSameTexelsGiveTheSameBytesOnEveryThread) {

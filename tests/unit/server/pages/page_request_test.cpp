@@ -25,6 +25,9 @@ TEST(PageId, DiffersInEverythingThatBytesDependOnAndInNothingElse) {
                     for (const Accuracy accuracy : {Accuracy::exact, Accuracy::high, Accuracy::fast})
                         add({s, key, {format, ContentCoding::identity, gutter, accuracy}, {}});
     add({scene, {}, {PageFormat::rgba, ContentCoding::zstd, 0, Accuracy::high}, {}});
+    for (const ChannelSet channels : channel_sets)
+        if (channels != ChannelSet::albedo)
+            add({scene, {}, {PageFormat::png, ContentCoding::identity, 0, Accuracy::high, channels}, {}});
     EXPECT_EQ(tags.size(), count);
     const PageRequest plain{scene, {}, {}, {}}, urgent{scene, {}, {}, {0}},
         renamed{test::make_scene("b", nullptr), {}, {}, {}};

@@ -54,9 +54,9 @@ TEST_F(PageServiceTest, EvaluatesAPageOnceForAThousandWhoAsk) {
 TEST_F(PageServiceTest, FindsAPageInTheCacheOnceItWasMade) {
     PageService pages{{}, registry};
     texture->open();
-    EXPECT_EQ(pages.find(page_id(page(3)), 0), nullptr);
+    EXPECT_EQ(pages.find(page_id(page(3)), page(3)), nullptr);
     const PagePtr made = ask(pages, page(3)).result.get().value();
-    EXPECT_EQ(pages.find(page_id(page(3)), 0), made);
+    EXPECT_EQ(pages.find(page_id(page(3)), page(3)), made);
     EXPECT_EQ(ask(pages, page(3)).result.get().value(), made);
     EXPECT_EQ(texture->begun, 1);
     EXPECT_EQ(made->evaluation.work, 7u);
