@@ -9,6 +9,9 @@
 
 namespace tessera {
 
+/// "[####..........................]  14 %  tile, 1 min 5 s left": `whole` of everything is done, 0 to 1.
+std::string progress_line(const std::string& stage, double whole, double seconds_passed);
+
 /// Shows progress on stderr: on a terminal one line, drawn again and again; elsewhere a line for each stage.
 class TerminalProgress final : public Progress {
   public:
@@ -18,7 +21,8 @@ class TerminalProgress final : public Progress {
         double part = 0;
     };
 
-    /// `command`: who speaks, such as "tessera prepare". `shares` in the order of the stages. `quiet` shows
+    /// `command`: who speaks, such as "tessera prepare". `shares` in the order of the stages; others count
+    /// for nothing. `quiet` shows
     /// nothing, not even notes.
     TerminalProgress(std::string command, std::vector<Share> shares, bool quiet, std::stop_token stop);
     ~TerminalProgress() override;
