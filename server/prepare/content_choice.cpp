@@ -26,8 +26,8 @@ ChoiceScale::ChoiceScale(const PerceptualImage& photo, const Segmentation& segme
     variance = std::max<std::int64_t>(64, squares / count - mean_lightness * mean_lightness);
     for (std::int32_t y = 0; y + 1 < photo.height; ++y)
         for (std::int32_t x = 0; x + 1 < photo.width; ++x, pairs += 2)
-            distances +=
-                distance(photo.at(x, y), photo.at(x + 1, y)) + distance(photo.at(x, y), photo.at(x, y + 1));
+            distances += color_distance(photo.at(x, y), photo.at(x + 1, y)) +
+                         color_distance(photo.at(x, y), photo.at(x, y + 1));
     gradient = std::max<std::int64_t>(1, distances / pairs);
 
     std::int32_t side = 1;
@@ -52,9 +52,9 @@ PatchContents::PatchContents(PatchGround ground, const PerceptualImage& photo, c
     sums_.assign(tile_.begin(), tile_.end());
 }
 
-/// The price of a product of deviations, one of them summed over `shown` contents, in distance()s. Repetition
-/// is the squared mean over contents, summed over texels, in parts of the variance; seams are a mean over all
-/// borders.
+/// The price of a product of deviations, one of them summed over `shown` contents, in color_distance()s.
+/// Repetition is the squared mean over contents, summed over texels, in parts of the variance; seams are a
+/// mean over all borders.
 std::int64_t PatchContents::repetition(std::int64_t product, std::int64_t shown) const {
     const std::int64_t weight = repetition_weight * scale_->gradient * scale_->borders;
     return 2 * weight * (product / shown) / (scale_->texels * scale_->variance / 1024) / 1024;

@@ -19,7 +19,7 @@ struct ChoiceScale {
     std::int32_t contents = 24;       ///< Wanted for each patch.
     std::int64_t mean_lightness = 0;  ///< Of the photograph, in PerceptualColor's units.
     std::int64_t variance = 1;        ///< Of its lightness.
-    std::int64_t gradient = 1;        ///< Its mean distance() of neighbours.
+    std::int64_t gradient = 1;        ///< Its mean color_distance() of neighbours.
     std::int64_t borders = 1;         ///< Of the patch map: neighbours of different patches.
     std::int64_t texels = 1;          ///< Of the tile.
 

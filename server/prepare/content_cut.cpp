@@ -163,7 +163,7 @@ BitMask cut_content(const PatchGround& ground, const PerceptualImage& photo, Off
     // What is usual in the photograph is hardly seen along a border either: only what is beyond it counts in
     // full
     const auto price = [&](const PerceptualColor& a, const PerceptualColor& b) {
-        const std::uint32_t seen = distance(a, b);
+        const std::uint32_t seen = color_distance(a, b);
         return seen / 16 + (seen > usual ? seen - usual : 0);
     };
     const auto add = [&](std::int32_t x, std::int32_t y, std::int32_t to_x, std::int32_t to_y,
@@ -203,7 +203,7 @@ SeamSum sum_seam(const PatchGround& ground, const PerceptualImage& photo, Offset
                 if (to_x >= 0 && to_y >= 0 && to_x < ground.width && to_y < ground.height &&
                     shape.at(to_x, to_y))
                     return;
-                sum.distances += distance(moved.at(x, y), ground.tile_at(to_x, to_y));
+                sum.distances += color_distance(moved.at(x, y), ground.tile_at(to_x, to_y));
                 ++sum.pairs;
             };
             compare(x - 1, y);

@@ -6,18 +6,28 @@
 #include "server/prepare/patches.h"
 #include "server/prepare/perceptual.h"
 #include "server/prepare/prepare.h"
+#include "server/prepare/quilting.h"
 #include "server/prepare/tile.h"
 
 namespace tessera {
 namespace {
 
 constexpr std::int32_t least_tile_side = 16;
+constexpr std::int32_t least_photo_side = least_quilted_photo;
 constexpr std::int32_t least_patches = 16;
 constexpr std::int32_t most_patches = 256;
 
+/// The tile that is made of a photograph unless another is asked for: as large as it, since large patches
+/// show less of the tile along their borders, but no larger than takes some seconds.
+std::int32_t usual_tile_side(const Rgb8Image& photo) {
+    std::int32_t side = least_tile_side;
+    while (side < 512 && 2 * side <= std::min(photo.width, photo.height) * 9 / 8) side *= 2;
+    return side;
+}
+
 /// What is asked for, and the method's own numbers where nothing is.
-PrepareOptions with_defaults(PrepareOptions options) {
-    if (options.tile_side == 0) options.tile_side = 512;
+PrepareOptions with_defaults(PrepareOptions options, const Rgb8Image& photo) {
+    if (options.tile_side == 0) options.tile_side = usual_tile_side(photo);
     if (options.patches == 0) options.patches = 16;
     if (options.contents == 0) options.contents = 24;
     if (options.blend_texels == -1) options.blend_texels = 4;
@@ -59,20 +69,17 @@ Result<void> check(const PrepareOptions& options) {
 
 /// The options that this photograph allows; every change is noted.
 Result<PrepareOptions> fitted(const Rgb8Image& photo, PrepareOptions options, Progress& progress) {
-    // The tile and the overlap that makes it periodic come out of the photograph in one piece
+    // Boxes are up to half a tile wide
     const std::int32_t room = std::min(photo.width, photo.height);
     const std::int32_t asked = options.tile_side;
-    while (options.tile_side >= least_tile_side &&
-           options.tile_side + least_overlap(options.tile_side) > room)
-        options.tile_side /= 2;
+    while (options.tile_side > least_tile_side && options.tile_side > room * 9 / 8) options.tile_side /= 2;
     const std::string size = std::to_string(photo.width) + "×" + std::to_string(photo.height);
-    if (options.tile_side < least_tile_side)
-        return invalid("is " + size + " texels, too small for a tile; " +
-                       std::to_string(least_tile_side + least_overlap(least_tile_side)) +
+    if (room < least_photo_side)
+        return invalid("is " + size + " texels, too small for a tile; " + std::to_string(least_photo_side) +
                        " a side are the least");
     if (options.tile_side < asked)
         progress.note("the photograph of " + size + " is too small for a tile of " + std::to_string(asked) +
-                      " and its overlap: the tile is " + std::to_string(options.tile_side));
+                      ": it is " + std::to_string(options.tile_side));
 
     const std::int32_t widest_blend = options.tile_side / 4;
     if (options.blend_texels > widest_blend) {
@@ -100,6 +107,15 @@ Result<PrepareOptions> fitted(const Rgb8Image& photo, PrepareOptions options, Pr
     return options;
 }
 
+/// A tile out of one piece of the photograph, or, where that is too small, quilted of many.
+PeriodicTile cut_tile(const PerceptualImage& photo, const PrepareOptions& options, Progress& progress) {
+    const std::int32_t side = options.tile_side;
+    if (side + least_overlap(side) <= std::min(photo.width, photo.height))
+        return make_tile(photo, side, options.threads, progress);
+    QuiltedTile quilted = quilt_tile(photo, side, options.seed, options.threads, progress);
+    return {side, 0, std::move(quilted.sources), quilted.seam_cost};
+}
+
 Result<void> take_contents(const std::vector<std::vector<ShapedContent>>& found, std::int32_t wanted,
                            ExchangeAsset& asset, Progress& progress) {
     std::size_t fewest = found.front().size(), short_of = 0;
@@ -124,7 +140,7 @@ Result<void> take_contents(const std::vector<std::vector<ShapedContent>>& found,
 
 Result<PreparedAsset> prepare_content_exchange(const Rgb8Image& photo, const PrepareOptions& asked,
                                                const ExchangeAsset*, Progress& progress) {
-    const PrepareOptions complete = with_defaults(asked);
+    const PrepareOptions complete = with_defaults(asked, photo);
     if (auto good = check(complete); !good) return good.error();
     const auto options = fitted(photo, complete, progress);
     if (!options) return options.error();
@@ -132,7 +148,7 @@ Result<PreparedAsset> prepare_content_exchange(const Rgb8Image& photo, const Pre
     const PerceptualImage colors = to_perceptual(photo);
 
     // Cut a tile that repeats without a visible edge
-    const PeriodicTile tile = make_tile(colors, options->tile_side, options->threads, progress);
+    const PeriodicTile tile = cut_tile(colors, *options, progress);
     if (progress.stop().stop_requested()) return stopped;
     ExchangeAsset asset;
     asset.tile = cut_out(photo, tile);

@@ -29,7 +29,7 @@ std::vector<std::int32_t> make_curve() {
 
 }  // namespace
 
-std::uint32_t distance(PerceptualColor a, PerceptualColor b) noexcept {
+std::uint32_t color_distance(PerceptualColor a, PerceptualColor b) noexcept {
     const std::uint32_t square = static_cast<std::uint32_t>(difference(a, b)) << 4;
     // Whatever the guess, the integers decide
     auto root = static_cast<std::uint32_t>(std::sqrt(static_cast<float>(square)));

@@ -25,7 +25,7 @@ constexpr std::int32_t difference(PerceptualColor a, PerceptualColor b) noexcept
 }
 
 /// The distance of two colours in 32nds of a CIELAB unit, rounded down: below 2^14.
-std::uint32_t distance(PerceptualColor a, PerceptualColor b) noexcept;
+std::uint32_t color_distance(PerceptualColor a, PerceptualColor b) noexcept;
 
 /// An image of such colours, rows from the top.
 struct PerceptualImage {

@@ -103,7 +103,8 @@ TEST(Prepare, stops_in_every_stage_when_asked_to) {
 
 TEST(Prepare, takes_the_largest_tile_that_a_small_photograph_allows_and_says_so) {
     RecordingProgress progress;
-    const auto asset = prepare_content_exchange(test::made_photo(90, 75), {}, nullptr, progress);
+    const auto asset =
+        prepare_content_exchange(test::made_photo(90, 75), {.tile_side = 512}, nullptr, progress);
     ASSERT_TRUE(asset) << asset.error().detail;
     EXPECT_EQ(asset->asset.tile_side, 64);
     EXPECT_THAT(progress.notes, HasSubstr("the photograph of 90×75 is too small for a tile of 512"));
