@@ -36,9 +36,9 @@ std::string percent(double share) { return format("%.1f %%", share * 100); }
 std::string zoomable(const std::string& picture, const EmbeddedPicture& size, const std::string& label,
                      const char* more_class = "") {
     return format(
-               "<button class=\"picture %s\" data-zoom=\"%d %d\" "
-               "style=\"background-image:var(--%s);aspect-ratio:%d/%d\" aria-label=\"",
-               more_class, size.width, size.height, picture.c_str(), size.width, size.height) +
+               "<button class=\"picture shows-%s %s\" data-zoom=\"%d %d\" style=\"aspect-ratio:%d/%d\" "
+               "aria-label=\"",
+               picture.c_str(), more_class, size.width, size.height, size.width, size.height) +
            escaped(label) + "\" title=\"Click to enlarge\"></button>";
 }
 
@@ -99,17 +99,17 @@ std::string previews_section(const ReportPictures& pictures) {
     out += "</div>\n";
     for (const auto& preview : pictures.previews) {
         const std::string level = std::to_string(preview.level);
-        out += "<div class=pair data-preview=" + level + "><figure>" +
-               zoomable("preview-" + level, preview.texture, "The texture at level " + level, "preview") +
-               "<figcaption><b>Texture</b>, level " + level + "</figcaption></figure><figure>" +
-               format(
-                   "<button class=\"picture preview\" data-zoom=\"%d %d\" data-period=\"%dpx\" "
-                   "style=\"background-image:var(--repeat-%d);"
-                   "aspect-ratio:1;background-size:%.4f%%\" aria-label=\"The tile repeated, level %d\" "
-                   "title=\"Click to enlarge\"></button>",
-                   preview.texture.width, preview.texture.height, preview.tile.width, preview.level,
-                   100.0 * preview.tile.width / preview.texture.width, preview.level) +
-               "<figcaption><b>The tile repeated</b>, level " + level + "</figcaption></figure></div>\n";
+        out +=
+            "<div class=pair data-preview=" + level + "><figure>" +
+            zoomable("preview-" + level, preview.texture, "The texture at level " + level, "preview") +
+            "<figcaption><b>Texture</b>, level " + level + "</figcaption></figure><figure>" +
+            format(
+                "<button class=\"picture preview shows-repeat-%d\" data-zoom=\"%d %d\" data-period=\"%dpx\" "
+                "style=\"aspect-ratio:1;background-size:%.4f%%\" aria-label=\"The tile repeated, level %d\" "
+                "title=\"Click to enlarge\"></button>",
+                preview.level, preview.texture.width, preview.texture.height, preview.tile.width,
+                100.0 * preview.tile.width / preview.texture.width, preview.level) +
+            "<figcaption><b>The tile repeated</b>, level " + level + "</figcaption></figure></div>\n";
     }
     return out + "</section>\n";
 }
@@ -304,8 +304,8 @@ std::string contents_section(const ExchangeAsset& asset, const ContentSheets& co
             corners.empty() ? "" : ", corners ", corners.c_str(), facts.seam_ratio);
         out += format(
             "<button class=\"content%s%s\" data-zoom=\"%d %d\" data-at=\"-%dpx -%dpx\" title=\"%s\" "
-            "aria-label=\"%s\"><i style=\"background-image:"
-            "var(--sheet-%zu);background-position:-%dpx -%dpx\"></i><span>%zu:%zu · %.2f</span></button>\n",
+            "aria-label=\"%s\"><i class=\"shows-sheet-%zu\" "
+            "style=\"background-position:-%dpx -%dpx\"></i><span>%zu:%zu · %.2f</span></button>\n",
             standing, facts.seam_ratio > 1.5 ? " costly" : "", contents.thumbnail_side,
             contents.thumbnail_side, facts.x, facts.y, words.c_str(), words.c_str(), facts.sheet, facts.x,
             facts.y, facts.patch, facts.content, facts.seam_ratio);
@@ -315,11 +315,12 @@ std::string contents_section(const ExchangeAsset& asset, const ContentSheets& co
     return out + "</section>\n";
 }
 
-/// Every picture once, as a background that rules may use by name.
+/// Every picture once, as a rule of its own: a variable of the style sheet may not be as long as a picture.
 std::string backgrounds(const ReportPictures& pictures) {
-    std::string out = ":root {\n";
+    std::string out;
     const auto add = [&](const std::string& name, const EmbeddedPicture& picture) {
-        if (!picture.address.empty()) out += "--" + name + ":url(" + picture.address + ");\n";
+        if (!picture.address.empty())
+            out += ".shows-" + name + "{background-image:url(" + picture.address + ")}\n";
     };
     add("tile", pictures.tile);
     add("patches", pictures.patches);
@@ -332,7 +333,7 @@ std::string backgrounds(const ReportPictures& pictures) {
     }
     for (std::size_t i = 0; i < pictures.sheets.size(); ++i)
         add("sheet-" + std::to_string(i), pictures.sheets[i]);
-    return out + "}\n";
+    return out;
 }
 
 }  // namespace

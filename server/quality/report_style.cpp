@@ -15,6 +15,7 @@ const char* const report_style = R"css(
   }
 }
 * { box-sizing: border-box; }
+[hidden] { display: none !important; }
 body { margin: 0; background: var(--ground); color: var(--text); font: 16px/1.5 system-ui, "Segoe UI", sans-serif; }
 main { max-width: 1180px; margin: 0 auto; padding: 32px 24px 96px; }
 h1 { font-size: 30px; line-height: 1.2; margin: 0 0 4px; overflow-wrap: anywhere; }
@@ -40,10 +41,12 @@ td.n, th.n { text-align: right; white-space: nowrap; }
 .bar.over i { background: var(--bad); }
 .bar b { position: absolute; top: 0; bottom: 0; width: 2px; background: var(--text); left: 66.67%; }
 .pair { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(320px, 100%), 1fr)); gap: 18px; }
+[data-preview] + [data-preview] { margin-top: 18px; }
+.charts { grid-template-columns: repeat(auto-fit, minmax(min(230px, 100%), 1fr)); }
 figure { margin: 0; min-width: 0; }
 figcaption { font-size: 14px; color: var(--quiet); margin-top: 6px; }
 figcaption b { color: var(--text); font-weight: 600; }
-.picture { display: block; width: 100%; padding: 0; border: 1px solid var(--line); border-radius: 8px; cursor: zoom-in; background-size: cover; }
+.picture { display: block; width: 100%; padding: 0; background-color: transparent; border: 1px solid var(--line); border-radius: 8px; cursor: zoom-in; background-size: cover; background-origin: border-box; }
 .picture:hover { border-color: var(--accent); }
 .cells { image-rendering: pixelated; }
 :focus-visible { outline: 3px solid var(--accent); outline-offset: 2px; }
@@ -72,7 +75,7 @@ dialog .stage { position: absolute; left: 0; top: 0; transform-origin: 0 0; curs
 dialog .stage:active { cursor: grabbing; }
 dialog header { position: absolute; inset: 0 0 auto; display: flex; gap: 16px; align-items: center; justify-content: space-between; padding: 8px 16px; background: #0d0c0bcc; font-size: 14px; z-index: 1; }
 dialog header button { font: inherit; color: inherit; background: #ffffff1f; border: 0; border-radius: 99px; padding: 4px 14px; cursor: pointer; }
-@media (max-width: 640px) { main { padding: 20px 12px 60px; } section { padding: 16px; } }
+@media (max-width: 640px) { main { padding: 20px 12px 60px; } section { padding: 16px; } th, td { padding-right: 10px; } .bar { min-width: 60px; } }
 @media print { .levels, dialog { display: none; } section { break-inside: avoid; } }
 )css";
 

@@ -1,4 +1,4 @@
-// As much of PNG as the tests write: a page of one colour. (Node 18's zlib has no crc32.)
+// As much of PNG as the tests write: a page of one colour, a picture of grey texels. (Node 18's zlib has no crc32.)
 import {deflateSync} from 'node:zlib';
 
 const table = Uint32Array.from({length: 256}, (_, byte) => {
@@ -34,4 +34,16 @@ export function flat_page(rgb) {
   const signature = Buffer.from('\x89PNG\r\n\x1a\n', 'latin1');
   const rows = deflateSync(Buffer.concat(Array(256).fill(row)));
   return Buffer.concat([signature, chunk('IHDR', header), chunk('IDAT', rows), chunk('IEND', Buffer.alloc(0))]);
+}
+
+/** A PNG of grey texels. @param {number} width @param {number} height @param {(x: number, y: number) => number} grey_at */
+export function grey_picture(width, height, grey_at) {
+  const header = Buffer.alloc(13);
+  header.writeUInt32BE(width, 0);
+  header.writeUInt32BE(height, 4);
+  header.set([8, 0, 0, 0, 0], 8); // 8 bits, grey, no interlace
+  const rows = Array.from({length: height}, (_, y) =>
+    Buffer.from([0, ...Array.from({length: width}, (_, x) => grey_at(x, y))]));
+  const signature = Buffer.from('\x89PNG\r\n\x1a\n', 'latin1');
+  return Buffer.concat([signature, chunk('IHDR', header), chunk('IDAT', deflateSync(Buffer.concat(rows))), chunk('IEND', Buffer.alloc(0))]);
 }

@@ -82,9 +82,15 @@ TEST_F(Report, IsOneFileThatAsksNobodyAndHoldsEveryPartOnce) {
     const std::string whole = read(html), page = without_pictures(whole);
     EXPECT_LT(whole.size(), 15U << 20);
     EXPECT_THAT(page, HasSubstr("<title>stones · Tessera</title>"));
-    for (const char* picture : {"--tile:url", "--patches:url", "--seams:url", "--share:url", "--repeat:url",
-                                "--preview-0:url", "--preview-3:url", "--preview-6:url", "--sheet-0:url"})
-        EXPECT_EQ(occurrences(page, picture), 1) << picture;
+    for (const char* picture : {"tile", "patches", "seams", "share", "repeat", "preview-0", "preview-3",
+                                "preview-6", "repeat-0", "repeat-3", "repeat-6", "sheet-0"}) {
+        EXPECT_EQ(occurrences(page, ".shows-" + std::string{picture} + "{background-image:url(data:image/"),
+                  1)
+            << picture;
+        EXPECT_TRUE(
+            std::regex_search(page, std::regex{"class=\"[^\"]*shows-" + std::string{picture} + "[ \"]"}))
+            << picture;
+    }
     // Every address is a picture of its own, or nothing
     const std::regex address{"(url\\(|src=|href=\")(?!data:)"};
     EXPECT_FALSE(std::regex_search(page, address));
