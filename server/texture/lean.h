@@ -14,16 +14,15 @@ namespace tessera {
 /// normal cannot show.
 ///
 /// Precision. Slopes are held in 65535 steps over ±`range`, the steepest one of the images, at most
-/// `steepest_slope`; steeper normals are laid down to it, keeping their direction. Squares have 65535 steps
-/// over range², products 32767 over ±range². Slopes are rounded before they are squared, so a covariance is
-/// wrong only by the rounding of M: at most half a step for each texel, and mostly averaging out. A little
-/// more than that half step is taken off every result, so that where nothing is lost, exactly nothing shows:
-/// a variance is right or too low by at most 1.1 steps of range²/65535 (for bumps of up to 45° a spread of
-/// 0.23°), a covariance too small by at most 1.1 of range²/32767.
+/// `steepest_slope`; steeper normals are laid down to it, keeping their direction. They are rounded before
+/// they are squared. The trace B_x² + B_y² is then a 31-bit integer, held exactly in two values, high and low
+/// half: variances in sum are wrong only by the floats of 24 bits that carry means (about 2⁻²³ of the slopes'
+/// own size, which is taken off, so that where nothing is lost, exactly nothing shows). How the trace is
+/// shared between the axes, B_x² − B_y², and the product B_x·B_y have 32767 steps over range²: right or
+/// nearer to isotropic by at most 1.1 steps.
 
-/// tan 82.9°. Beyond it a level-0 texel of any sensible surface is noise, and each doubling costs two bits of
-/// precision.
-inline constexpr double steepest_slope = 8.0;
+/// tan 76°. Beyond it a texel of any sensible surface is noise, of which one would outweigh a hundred others.
+inline constexpr double steepest_slope = 4.0;
 
 struct Slopes {
     double x = 0, y = 0;
@@ -40,25 +39,31 @@ double steepest_in(const Rgb8Image& normals) noexcept;
 /// `range` is at least steepest_in(normals), and not 0.
 Rgb16Image lean_slopes(const Rgb8Image& normals, double range, const Rgb8Image* third);
 
-/// M.
-Rgb16Image lean_moments(const Rgb8Image& normals, double range);
+/// High and low half of the trace of M, and B_x² − B_y².
+Rgb16Image lean_squares(const Rgb8Image& normals, double range);
+
+/// squared_alphas() of `roughness`, which is as large, or 0 if it is null; and B_x·B_y.
+Rgb16Image lean_products(const Rgb8Image& normals, double range, const Rgb8Image* roughness);
 
 /// What a texel knows of the slopes under it.
 struct LeanTexel {
     Slopes mean;
+    double trace = 0;  ///< Of Σ: variance_x + variance_y, more precisely.
     double variance_x = 0, variance_y = 0;
     double covariance = 0;
 };
 
-/// From filtered lean_slopes() and lean_moments(): three values each, 0 to 1.
-LeanTexel lean_texel(const float* slopes, const float* moments, double range) noexcept;
+/// The mean alone, of filtered lean_slopes().
+Slopes lean_mean(const float* slopes, double range) noexcept;
 
-/// How far each is off at most, in slope², if slopes and moments are off by these parts of 1; rounding
-/// included.
+/// From filtered lean_slopes(), lean_squares() and lean_products(): three values each, 0 to 1.
+LeanTexel lean_texel(const float* slopes, const float* squares, const float* products, double range) noexcept;
+
+/// How far each is off at most, in slope², if every filtered value is off by `error`; rounding included.
 struct LeanError {
-    double variance = 0, covariance = 0;
+    double trace = 0, variance = 0, covariance = 0;
 };
-LeanError lean_error(double slopes_error, double moments_error, double range) noexcept;
+LeanError lean_error(double error, double range) noexcept;
 
 /// Roughness filters as the variance that it stands for. A Beckmann lobe of width α scatters slopes with the
 /// variance α²/2 along each axis, and α is roughness² (Burley, "Physically Based Shading at Disney", 2012),
@@ -66,7 +71,7 @@ LeanError lean_error(double slopes_error, double moments_error, double range) no
 /// channel of `third`.
 Rgb16Image squared_alphas(const Rgb8Image& roughness, const Rgb8Image* third);
 
-/// α² from filtered squared_alphas().
+/// α² from filtered squared_alphas() or lean_products().
 double squared_alpha(const float* halves) noexcept;
 
 /// How far it is off if both halves are off by this part of 1.

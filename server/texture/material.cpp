@@ -77,17 +77,22 @@ std::string range_text(double range) {
     return text;
 }
 
-/// lean_slopes().
+/// Filtered lean_slopes(), lean_squares() and lean_products().
+struct LeanTextures {
+    TexturePtr slopes, squares, products;
+    double range = 0;
+};
+
 class NormalTexture final : public MaterialTexture {
   public:
-    NormalTexture(const TexturePtr& slopes, double range)
-        : MaterialTexture{ChannelSet::normal, {slopes}, slopes->memory_bytes()}, range_{range} {}
+    explicit NormalTexture(const LeanTextures& lean)
+        : MaterialTexture{ChannelSet::normal, {lean.slopes}, lean.slopes->memory_bytes()},
+          range_{lean.range} {}
 
   private:
     double fill_row(const Rows& in, const Errors& errors, std::int32_t width, float* out) const override {
-        constexpr std::array<float, 3> no_moments{};
         for (std::int32_t x = 0; x < width; ++x) {
-            const Slopes mean = lean_texel(in[0] + 4 * x, no_moments.data(), range_).mean;
+            const Slopes mean = lean_mean(in[0] + 4 * x, range_);
             const double half = 0.5 / std::sqrt(mean.x * mean.x + mean.y * mean.y + 1.0);
             put(out + 4 * x, 0.5 + mean.x * half, 0.5 + mean.y * half, 0.5 + half);
         }
@@ -99,28 +104,28 @@ class NormalTexture final : public MaterialTexture {
     double range_;
 };
 
-/// squared_alphas() and, of a bumpy surface, lean_slopes() and lean_moments().
 class RoughnessTexture final : public MaterialTexture {
   public:
+    /// Of a surface without normals: squared_alphas().
     explicit RoughnessTexture(const TexturePtr& alphas)
         : MaterialTexture{ChannelSet::roughness, {alphas}, alphas->memory_bytes()} {}
-    RoughnessTexture(const TexturePtr& alphas, const TexturePtr& slopes, const TexturePtr& moments,
-                     double range)
-        : MaterialTexture{ChannelSet::roughness, {alphas, slopes, moments}, alphas->memory_bytes()},
-          range_{range} {}
+    explicit RoughnessTexture(const LeanTextures& lean)
+        : MaterialTexture{ChannelSet::roughness, {lean.products, lean.slopes, lean.squares}, 0},
+          range_{lean.range} {}
 
   private:
     double fill_row(const Rows& in, const Errors& errors, std::int32_t width, float* out) const override {
         double least = 1;
         for (std::int32_t x = 0; x < width; ++x) {
+            const std::int32_t at = 4 * x;
             const LeanTexel texel =
-                range_ > 0 ? lean_texel(in[1] + 4 * x, in[2] + 4 * x, range_) : LeanTexel{};
-            const double roughness = rougher(squared_alpha(in[0] + 4 * x), texel);
+                range_ > 0 ? lean_texel(in[1] + at, in[2] + at, in[0] + at, range_) : LeanTexel{};
+            const double roughness = rougher(squared_alpha(in[0] + at), texel);
             least = std::min(least, roughness);
-            put(out + 4 * x, roughness, roughness, roughness);
+            put(out + at, roughness, roughness, roughness);
         }
         double error = squared_alpha_error(errors[0]);
-        if (range_ > 0) error += 2 * lean_error(errors[1], errors[2], range_).variance;
+        if (range_ > 0) error += lean_error(*std::max_element(errors.begin(), errors.end()), range_).trace;
         // The root is steepest where the row is smoothest, and steeper yet below
         const double squared = least * least * least * least;
         const double above = roughness_of(squared + error) - least;
@@ -152,24 +157,27 @@ class HeightTexture final : public MaterialTexture {
     std::string words() const override { return "linear"; }
 };
 
-/// lean_slopes() and lean_moments(), as roots: variances of 8 bits would leave nothing of a gentle bump.
+/// Roots: variances of 8 bits would leave nothing of a gentle bump.
 class MomentsTexture final : public MaterialTexture {
   public:
-    MomentsTexture(const TexturePtr& slopes, const TexturePtr& moments, double range)
-        : MaterialTexture{ChannelSet::moments, {slopes, moments}, moments->memory_bytes()}, range_{range} {}
+    explicit MomentsTexture(const LeanTextures& lean)
+        : MaterialTexture{ChannelSet::moments,
+                          {lean.slopes, lean.squares, lean.products},
+                          lean.squares->memory_bytes() + lean.products->memory_bytes()},
+          range_{lean.range} {}
 
   private:
     double fill_row(const Rows& in, const Errors& errors, std::int32_t width, float* out) const override {
         for (std::int32_t x = 0; x < width; ++x) {
-            const LeanTexel texel = lean_texel(in[0] + 4 * x, in[1] + 4 * x, range_);
-            const double root = std::sqrt(std::abs(texel.covariance));
-            put(out + 4 * x, std::min(1.0, std::sqrt(texel.variance_x)),
-                std::min(1.0, std::sqrt(texel.variance_y)),
-                0.5 + 0.5 * std::clamp(texel.covariance < 0 ? -root : root, -1.0, 1.0));
+            const std::int32_t at = 4 * x;
+            const LeanTexel texel = lean_texel(in[0] + at, in[1] + at, in[2] + at, range_);
+            const double root = std::copysign(std::sqrt(std::abs(texel.covariance)), texel.covariance);
+            put(out + at, std::min(1.0, std::sqrt(texel.variance_x)),
+                std::min(1.0, std::sqrt(texel.variance_y)), 0.5 + 0.5 * std::clamp(root, -1.0, 1.0));
         }
         // The root of something small is off by the root of its error
-        const LeanError error = lean_error(errors[0], errors[1], range_);
-        return 255 * std::max(std::sqrt(error.variance), std::sqrt(error.covariance));
+        const LeanError error = lean_error(*std::max_element(errors.begin(), errors.end()), range_);
+        return 255 * std::sqrt(std::max(error.variance, error.covariance));
     }
     std::string words() const override {
         return "σx, σy and the signed root of the covariance of the normals under a texel, " +
@@ -198,7 +206,7 @@ std::size_t channel_textures(const ExchangeAsset& asset) noexcept {
     const bool normal = image_of(asset, ChannelSet::normal) != nullptr,
                roughness = image_of(asset, ChannelSet::roughness) != nullptr,
                height = image_of(asset, ChannelSet::height) != nullptr;
-    return (normal ? 2u : 0u) + (roughness ? 1u : 0u) + (height && !normal && !roughness ? 1u : 0u);
+    return normal ? 3 : roughness || height ? 1 : 0;
 }
 
 std::vector<Channels> make_channels(const std::shared_ptr<const ExchangeTexture>& albedo,
@@ -206,35 +214,42 @@ std::vector<Channels> make_channels(const std::shared_ptr<const ExchangeTexture>
     const auto* normal = image_of(asset, ChannelSet::normal);
     const auto* roughness = image_of(asset, ChannelSet::roughness);
     const auto* height = image_of(asset, ChannelSet::height);
-    const Rgb8Image* const height_exemplar = height == nullptr ? nullptr : &height->exemplar;
-    const Rgb8Image* const height_tile = height == nullptr ? nullptr : &height->tile;
+    const auto filtered = [&](const auto& texels_of) {
+        return albedo->with_texels(texels_of(&ExchangeAsset::Channel::exemplar),
+                                   texels_of(&ExchangeAsset::Channel::tile));
+    };
+    using Part = Rgb8Image ExchangeAsset::Channel::*;
+    const auto part_of = [](const ExchangeAsset::Channel* channel, Part part) {
+        return channel == nullptr ? nullptr : &(channel->*part);
+    };
 
     // Heights travel in the third value of whichever texture there is
-    TexturePtr slopes, moments, alphas, heights;
-    double range = 0;
+    LeanTextures lean;
+    TexturePtr alphas, heights;
     if (normal != nullptr) {
-        range = std::max(steepest_in(normal->exemplar), steepest_in(normal->tile));
-        slopes = albedo->with_texels(lean_slopes(normal->exemplar, range, height_exemplar),
-                                     lean_slopes(normal->tile, range, height_tile));
-        moments =
-            albedo->with_texels(lean_moments(normal->exemplar, range), lean_moments(normal->tile, range));
-    }
-    if (roughness != nullptr)
-        alphas = albedo->with_texels(squared_alphas(roughness->exemplar, height_exemplar),
-                                     squared_alphas(roughness->tile, height_tile));
-    if (height != nullptr) {
-        heights = slopes ? slopes : alphas;
-        if (!heights) heights = albedo->with_texels(greys(height->exemplar), greys(height->tile));
+        const double range = lean.range = std::max(steepest_in(normal->exemplar), steepest_in(normal->tile));
+        lean.slopes = heights =
+            filtered([&](Part part) { return lean_slopes(normal->*part, range, part_of(height, part)); });
+        lean.squares = filtered([&](Part part) { return lean_squares(normal->*part, range); });
+        lean.products = filtered(
+            [&](Part part) { return lean_products(normal->*part, range, part_of(roughness, part)); });
+    } else if (roughness != nullptr) {
+        alphas = heights =
+            filtered([&](Part part) { return squared_alphas(roughness->*part, part_of(height, part)); });
+    } else if (height != nullptr) {
+        heights = filtered([&](Part part) { return greys(height->*part); });
     }
 
     std::vector<Channels> sets;
     const auto add = [&](ChannelSet set, TexturePtr texture) { sets.push_back({set, std::move(texture)}); };
-    if (slopes) add(ChannelSet::normal, std::make_shared<NormalTexture>(slopes, range));
-    if (alphas)
-        add(ChannelSet::roughness, slopes ? std::make_shared<RoughnessTexture>(alphas, slopes, moments, range)
-                                          : std::make_shared<RoughnessTexture>(alphas));
-    if (heights) add(ChannelSet::height, std::make_shared<HeightTexture>(heights, !slopes && !alphas));
-    if (slopes) add(ChannelSet::moments, std::make_shared<MomentsTexture>(slopes, moments, range));
+    if (normal != nullptr) add(ChannelSet::normal, std::make_shared<NormalTexture>(lean));
+    if (roughness != nullptr)
+        add(ChannelSet::roughness, normal != nullptr ? std::make_shared<RoughnessTexture>(lean)
+                                                     : std::make_shared<RoughnessTexture>(alphas));
+    if (height != nullptr)
+        add(ChannelSet::height,
+            std::make_shared<HeightTexture>(heights, normal == nullptr && roughness == nullptr));
+    if (normal != nullptr) add(ChannelSet::moments, std::make_shared<MomentsTexture>(lean));
     return sets;
 }
 

@@ -22,7 +22,8 @@ Three mean_of(const Rgb16Image& image) {
 
 LeanTexel texel_of(const Rgb8Image& normals, double range) {
     return lean_texel(mean_of(lean_slopes(normals, range, nullptr)).data(),
-                      mean_of(lean_moments(normals, range)).data(), range);
+                      mean_of(lean_squares(normals, range)).data(),
+                      mean_of(lean_products(normals, range, nullptr)).data(), range);
 }
 
 TEST(Lean, SlopesAreThoseOfTheNormalWhateverItsLength) {
@@ -47,6 +48,7 @@ TEST(Lean, AFlatSurfaceHasExactlyNoVarianceWhateverItsNormalAndRange) {
                 const Rgb8Image flat{
                     1, 1, {static_cast<std::uint8_t>(red), static_cast<std::uint8_t>(green), 200}};
                 const LeanTexel texel = texel_of(flat, steepest_in(flat) * more);
+                EXPECT_EQ(texel.trace, 0) << red << ' ' << green << ' ' << more;
                 EXPECT_EQ(texel.variance_x, 0) << red << ' ' << green << ' ' << more;
                 EXPECT_EQ(texel.variance_y, 0) << red << ' ' << green << ' ' << more;
                 EXPECT_EQ(texel.covariance, 0) << red << ' ' << green << ' ' << more;
@@ -67,7 +69,8 @@ TEST(Lean, TheCovarianceOfARidgeIsThatOfItsTwoSlopes) {
 TEST(Lean, IsNeverFurtherOffThanItSays) {
     // Two slopes each, all over the range: against their variance in doubles
     const double range = 2.0;
-    const LeanError error = lean_error(1e-7, 1e-7, range);
+    const LeanError error = lean_error(6e-8, range);
+    EXPECT_LT(error.trace, range * range * 2.5e-6);
     EXPECT_LT(error.variance, range * range * 1.2 / 65535);
     for (int a = 60; a < 200; ++a)
         for (int b = 60; b < 200; b += 7) {
@@ -77,6 +80,8 @@ TEST(Lean, IsNeverFurtherOffThanItSays) {
             const double dx = (first.x - second.x) / 2, dy = (first.y - second.y) / 2;
             const LeanTexel texel = texel_of(two, range);
             // A slope's own rounding is within half a step of 1/32767 of the range
+            EXPECT_NEAR(texel.trace, dx * dx + dy * dy,
+                        error.trace + 4 * (std::abs(dx) + std::abs(dy)) * range / 65534);
             EXPECT_NEAR(texel.variance_x, dx * dx, error.variance + 4 * std::abs(dx) * range / 65534)
                 << a << ' ' << b;
             EXPECT_NEAR(texel.covariance, dx * dy, error.covariance + 4 * range / 65534) << a << ' ' << b;
@@ -93,10 +98,10 @@ TEST(Lean, EveryRoughnessSurvivesItsWayThroughTheSquareOfAlpha) {
 }
 
 TEST(Lean, AddsTwiceTheMeanVarianceToTheSquareOfAlpha) {
-    const LeanTexel bumpy{{0.3, 0.1}, 0.02, 0.06, 0.01};
+    const LeanTexel bumpy{{0.3, 0.1}, 0.08, 0.02, 0.06, 0.01};
     const double roughness = rougher(0.01, bumpy);
     EXPECT_NEAR(std::pow(roughness, 4), 0.01 + 2 * (0.02 + 0.06) / 2, 1e-12);
-    EXPECT_EQ(rougher(0.9, {{}, 1.0, 1.0, 0}), 1.0);
+    EXPECT_EQ(rougher(0.9, {{}, 2.0, 1.0, 1.0, 0}), 1.0);
 }
 
 TEST(Lean, CarriesAThirdImageAsItIs) {
