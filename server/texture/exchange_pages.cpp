@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstring>
 
 #include "server/texture/exchange_texture.h"
 #include "shared/math/srgb.h"
@@ -77,7 +78,10 @@ Result<Evaluation> CompiledExchange::evaluate_block(const Block& block, const Bu
 
 UnitGrid CompiledExchange::shown_in(const Block& block) const {
     const int shift = layout_->unit_level - block.level;
-    const std::int64_t x = (block.x >> shift) - 1, y = (block.y >> shift) - 1, after = layout_->units_after();
+    // A texel of the overhang's width before the block may still reach into it
+    const std::int64_t overhang = (layout_->overhang + (std::int64_t{1} << block.level) - 1) >> block.level;
+    const std::int64_t x = (block.x - overhang) >> shift, y = (block.y - overhang) >> shift;
+    const std::int64_t after = layout_->units_after();
     return layout_->shown_by(x, y, ((block.x + block.width - 1) >> shift) + after - x + 1,
                              ((block.y + block.height - 1) >> shift) + after - y + 1);
 }
@@ -102,48 +106,36 @@ class CompiledExchange::Level0Band {
         first_ = first;
         count_ = count;
         for (std::int32_t row = first; row < first + count; ++row)
-            tile_runs(row, 0, block_.width, [&](std::int32_t x, std::int32_t width, std::size_t offset) {
-                if (rows_.codes != nullptr)
-                    std::copy_n(texture_.tile_.codes.data() + offset * 4, width * 4, codes_at(row, x));
-                else
-                    put_steps(row, x, width, texture_.tile_.steps.data() + offset * 4);
-            });
+            tile_runs(row, 0, block_.width,
+                      [&](std::int32_t x, std::int32_t width, std::int32_t u, std::int32_t v) {
+                          copy(texture_.tile_, u, v, width, row, x);
+                      });
     }
 
     /// A shape whose box begins at (x, y) of the block.
     std::uint64_t add(const Shapes::Shape& shape, std::int64_t x, std::int64_t y) {
         const Shapes& shapes = texture_.layout_->shapes;
-        const Kernels& kernel = kernels();
         std::uint64_t texels = 0;
         const std::int64_t from = std::max<std::int64_t>(first_, y);
         const std::int64_t to = std::min<std::int64_t>(first_ + count_, y + shape.height);
         for (std::int64_t at = from; at < to; ++at) {
             const auto row = static_cast<std::int32_t>(at), line = static_cast<std::int32_t>(at - y);
-            const std::uint16_t* content = texture_.exemplar_.step_row(shape.from_y + line);
-            const std::uint8_t* codes = texture_.exemplar_.code_row(shape.from_y + line);
-            for (const Shapes::Segment& segment : shapes.row(shape, line)) {
+            const auto segments = shapes.row(shape, line);
+            if (!segments.empty())
+                prefetch(shape.from_x + segments.front().begin, shape.from_y + line + prefetch_rows,
+                         segments.back().end - segments.front().begin);
+            for (const Shapes::Segment& segment : segments) {
                 const auto left = static_cast<std::int32_t>(std::max<std::int64_t>(x + segment.begin, 0));
                 const auto right =
                     static_cast<std::int32_t>(std::min<std::int64_t>(x + segment.end, block_.width));
                 if (left >= right) continue;
-                const std::ptrdiff_t column = (left - x + shape.from_x) * 4;
+                const auto in_box = static_cast<std::int32_t>(left - x);
+                const std::int32_t u = shape.from_x + in_box, v = shape.from_y + line;
                 texels += static_cast<std::uint64_t>(right - left);
-                if (segment.weights != Shapes::Segment::all_one) {
-                    const std::uint16_t* weights = shapes.weights(segment) + (left - x - segment.begin);
-                    tile_runs(row, left, right,
-                              [&](std::int32_t run, std::int32_t width, std::size_t offset) {
-                                  const std::size_t place = index(row, run);
-                                  kernel.blend(content + column + (run - left) * 4,
-                                               texture_.tile_.steps.data() + offset * 4,
-                                               weights + (run - left), width, sums_.data() + place * 4);
-                                  std::fill_n(blended_.begin() + static_cast<std::ptrdiff_t>(place), width,
-                                              std::uint8_t{1});
-                              });
-                } else if (rows_.codes != nullptr) {
-                    std::copy_n(codes + column, (right - left) * 4, codes_at(row, left));
-                } else {
-                    put_steps(row, left, right - left, content + column);
-                }
+                if (segment.weights == Shapes::Segment::all_one)
+                    copy(texture_.exemplar_, u, v, right - left, row, left);
+                else
+                    blend(shapes.weights(segment) + (in_box - segment.begin), u, v, row, left, right);
             }
         }
         return texels;
@@ -152,18 +144,24 @@ class CompiledExchange::Level0Band {
     /// Writes what was blended, and is ready for the next band.
     void finish() {
         for (std::int32_t row = first_; row < first_ + count_; ++row) {
-            const auto line = blended_.begin() + static_cast<std::ptrdiff_t>(index(row, 0));
-            for (auto at = std::find(line, line + block_.width, 1); at != line + block_.width;) {
-                const auto end = std::find(at, line + block_.width, 0);
+            std::uint8_t* const line = blended_.data() + index(row, 0);
+            std::uint8_t* const line_end = line + block_.width;
+            const auto find = [&](std::uint8_t* from, int value) {
+                void* found = std::memchr(from, value, static_cast<std::size_t>(line_end - from));
+                return found == nullptr ? line_end : static_cast<std::uint8_t*>(found);
+            };
+            for (std::uint8_t* at = find(line, 1); at != line_end;) {
+                std::uint8_t* const end = find(at, 0);
                 const auto left = static_cast<std::int32_t>(at - line),
                            right = static_cast<std::int32_t>(end - line);
-                tile_runs(row, left, right, [&](std::int32_t x, std::int32_t width, std::size_t offset) {
-                    put_blended(row, x, width, texture_.tile_.steps.data() + offset * 4);
-                });
+                tile_runs(row, left, right,
+                          [&](std::int32_t x, std::int32_t width, std::int32_t u, std::int32_t v) {
+                              put_blended(row, x, width, u, v);
+                          });
                 std::fill(at, end, std::uint8_t{0});
                 std::fill_n(sums_.begin() + static_cast<std::ptrdiff_t>(index(row, left) * 4),
                             (right - left) * 4, 0);
-                at = std::find(end, line + block_.width, 1);
+                at = find(end, 1);
             }
         }
     }
@@ -179,37 +177,85 @@ class CompiledExchange::Level0Band {
         return rows_.linear->row(block_.out_y + row) + std::ptrdiff_t(block_.out_x + x) * 4;
     }
 
-    /// Calls `visit(x, width, offset of the tile's texel)` for pieces of [left, right) of a row that do not
-    /// wrap.
+    /// Calls `visit(x, width, u, v)` for pieces of [left, right) of a row that begin at the tile's texel (u,
+    /// v) and do not wrap.
     template <class Visit>
     void tile_runs(std::int32_t row, std::int32_t left, std::int32_t right, const Visit& visit) const {
         const std::int64_t wrap = texture_.layout_->tile_side - 1;
-        const std::size_t line = std::size_t((block_.y + row) & wrap) * std::size_t(texture_.tile_.width);
+        const auto v = static_cast<std::int32_t>((block_.y + row) & wrap);
         while (left < right) {
-            const auto column = static_cast<std::int32_t>((block_.x + left) & wrap);
-            const std::int32_t width = std::min(right - left, texture_.tile_.width - column);
-            visit(left, width, line + std::size_t(column));
+            const auto u = static_cast<std::int32_t>((block_.x + left) & wrap);
+            const std::int32_t width = std::min(right - left, texture_.tile_.width() - u);
+            visit(left, width, u, v);
             left += width;
         }
     }
 
-    void put_steps(std::int32_t row, std::int32_t x, std::int32_t width, const std::uint16_t* steps) const {
-        float* out = linear_at(row, x);
-        for (std::int32_t i = 0; i < width * 4; ++i)
-            out[i] = static_cast<float>(std::uint32_t{steps[i]} * Shapes::weight_one) /
-                     (linear_one * Shapes::weight_one);
+    /// Rows of a box are far apart in the exemplar: no processor guesses where the next one lies.
+    static constexpr std::int32_t prefetch_rows = 3;
+    void prefetch(std::int32_t u, std::int32_t v, std::int32_t width) const {
+        if (!texture_.exemplar_.has_codes() || v >= texture_.exemplar_.height()) return;
+        const std::uint8_t* texels = texture_.exemplar_.code_row(v) + std::ptrdiff_t{u} * 4;
+        for (std::int32_t i = 0; i < width * 4 + 63; i += 64) __builtin_prefetch(texels + i);
     }
-    void put_blended(std::int32_t row, std::int32_t x, std::int32_t width, const std::uint16_t* tile) const {
-        const std::int32_t* sums = sums_.data() + index(row, x) * 4;
+
+    void copy(const TexelSource& source, std::int32_t u, std::int32_t v, std::int32_t width, std::int32_t row,
+              std::int32_t x) const {
         if (rows_.codes != nullptr) {
-            kernels().encode_blended(sums, tile, width, codes_at(row, x));
+            std::copy_n(source.code_row(v) + std::ptrdiff_t{u} * 4, width * 4, codes_at(row, x));
             return;
         }
         float* out = linear_at(row, x);
-        for (std::int32_t i = 0; i < width * 4; ++i)
-            out[i] = static_cast<float>(std::uint32_t{tile[i]} * Shapes::weight_one +
-                                        static_cast<std::uint32_t>(sums[i])) /
-                     (linear_one * Shapes::weight_one);
+        for (std::int32_t i = 0; i < width; ++i, out += 4) {
+            for (std::int32_t c = 0; c < 3; ++c)
+                out[c] = linear(std::uint32_t{source.step(u + i, v, c)} * Shapes::weight_one);
+            out[3] = 1.0F;
+        }
+    }
+
+    /// weight·(content − tile) on top of what other shapes have added.
+    void blend(const std::uint16_t* weights, std::int32_t u, std::int32_t v, std::int32_t row,
+               std::int32_t left, std::int32_t right) {
+        const TexelSource &exemplar = texture_.exemplar_, &tile = texture_.tile_;
+        std::fill_n(blended_.begin() + static_cast<std::ptrdiff_t>(index(row, left)), right - left,
+                    std::uint8_t{1});
+        tile_runs(row, left, right,
+                  [&](std::int32_t x, std::int32_t width, std::int32_t tile_u, std::int32_t tile_v) {
+                      std::int32_t* sums = sums_.data() + index(row, x) * 4;
+                      const std::int32_t from = u + x - left;
+                      const std::uint16_t* weight = weights + (x - left);
+                      if (tile.has_codes()) {
+                          kernels().blend(exemplar.code_row(v) + std::ptrdiff_t{from} * 4,
+                                          tile.code_row(tile_v) + std::ptrdiff_t{tile_u} * 4, weight, width,
+                                          sums);
+                          return;
+                      }
+                      for (std::int32_t i = 0; i < width; ++i)
+                          for (std::int32_t c = 0; c < 3; ++c)
+                              sums[i * 4 + c] += weight[i] * (std::int32_t{exemplar.step(from + i, v, c)} -
+                                                              std::int32_t{tile.step(tile_u + i, tile_v, c)});
+                  });
+    }
+
+    void put_blended(std::int32_t row, std::int32_t x, std::int32_t width, std::int32_t u,
+                     std::int32_t v) const {
+        const std::int32_t* sums = sums_.data() + index(row, x) * 4;
+        const TexelSource& tile = texture_.tile_;
+        if (rows_.codes != nullptr) {
+            kernels().encode_blended(sums, tile.code_row(v) + std::ptrdiff_t{u} * 4, width, codes_at(row, x));
+            return;
+        }
+        float* out = linear_at(row, x);
+        for (std::int32_t i = 0; i < width; ++i, out += 4) {
+            for (std::int32_t c = 0; c < 3; ++c)
+                out[c] = linear(std::uint32_t{tile.step(u + i, v, c)} * Shapes::weight_one +
+                                static_cast<std::uint32_t>(sums[i * 4 + c]));
+            out[3] = 1.0F;
+        }
+    }
+
+    static float linear(std::uint32_t weighted_steps) {
+        return static_cast<float>(weighted_steps) / (linear_one * Shapes::weight_one);
     }
 
     const CompiledExchange& texture_;
@@ -234,13 +280,17 @@ Result<Evaluation> CompiledExchange::blend_texels(const Block& block, const Budg
             for (std::int64_t ux = shown.x; ux < shown.x + shown.width; ++ux) {
                 const std::int64_t unit_x = (ux << layout.unit_level) - block.x;
                 const std::int64_t unit_y = (uy << layout.unit_level) - block.y;
-                for (const Shown& one : shown.at(ux, uy)) {
-                    const Shapes::Shape& shape = layout.shapes[one.shape];
-                    const std::int64_t y = unit_y + std::int64_t{one.tile_y} * layout.tile_side + shape.y;
-                    if (y >= first + count || y + shape.height <= first) continue;
-                    const std::int64_t x = unit_x + std::int64_t{one.tile_x} * layout.tile_side + shape.x;
-                    if (x >= block.width || x + shape.width <= 0) continue;
-                    work += band.add(shape, x, y);
+                for (const Shown& one :
+                     layout.rows_of(shown.at(ux, uy), first - unit_y, first + count - unit_y)) {
+                    const std::int64_t tile_x = unit_x + std::int64_t{one.tile_x} * layout.tile_side;
+                    if (tile_x - layout.shapes.radius() >= block.width || tile_x + layout.farthest <= 0)
+                        continue;
+                    const Shapes::Box& box = layout.shapes.box(one.shape);
+                    const std::int64_t y = unit_y + std::int64_t{one.tile_y} * layout.tile_side + box.y;
+                    if (y >= first + count || y + box.height <= first) continue;
+                    const std::int64_t x = tile_x + box.x;
+                    if (x >= block.width || x + box.width <= 0) continue;
+                    work += band.add(layout.shapes[one.shape], x, y);
                 }
             }
         band.finish();
@@ -300,7 +350,10 @@ Result<Evaluation> CompiledExchange::sum_stamps(const Block& block, const Budget
             for (std::int64_t ux = shown.x; ux < shown.x + shown.width; ++ux) {
                 const std::int64_t unit_x = (ux << unit_shift) - block.x;
                 const std::int64_t unit_y = (uy << unit_shift) - block.y - first;
-                for (const Shown& one : shown.at(ux, uy)) {
+                // Coarse texels reach a little further than the shapes in them
+                const std::int64_t slack = std::int64_t{1} << block.level;
+                for (const Shown& one : layout.rows_of(shown.at(ux, uy), (-unit_y << block.level) - slack,
+                                                       ((count - unit_y) << block.level) + slack)) {
                     const Stamps::Stamp& stamp = stamps.stamps[one.shape];
                     const std::int64_t y = unit_y + one.tile_y * tile_side + stamp.y;
                     const std::int64_t from = std::max<std::int64_t>(y, 0);

@@ -63,6 +63,20 @@ ExchangeLayout::ExchangeLayout(const ExchangeAsset& asset, const ExchangeOptions
     if (choice == Choice::typed) tree.emplace(options.seed, types_of(method, options));
     if (choice == Choice::independent) independent.emplace(options.seed, shapes);
     if (choice == Choice::kolar) kolar.emplace(asset, shapes, options.seed);
+
+    for (std::size_t s = 0; s < shapes.size(); ++s)
+        farthest = std::max({farthest, shapes[s].x + shapes[s].width, shapes[s].y + shapes[s].height});
+    const auto reach = [&](const Shown& shown, std::int32_t unit_tiles) {
+        const Shapes::Shape& shape = shapes[shown.shape];
+        const std::int32_t right = shown.tile_x * tile_side + shape.x + shape.width;
+        const std::int32_t bottom = shown.tile_y * tile_side + shape.y + shape.height;
+        overhang = std::max({overhang, right - unit_tiles * tile_side, bottom - unit_tiles * tile_side});
+    };
+    for (std::uint32_t type = 0; type < variants.types(); ++type)
+        for (const Shown& shown : variants.of(type)) reach(shown, variants.unit_tiles);
+    if (independent)
+        for (std::size_t s = 0; s < shapes.size(); ++s) reach({static_cast<std::uint16_t>(s), 0, 0}, 1);
+    if (kolar) overhang = tile_side;  // a rhombus reaches half a tile over, and its blending little more
 }
 
 UnitGrid ExchangeLayout::shown_by(std::int64_t x, std::int64_t y, std::int64_t width,
@@ -80,6 +94,18 @@ UnitGrid ExchangeLayout::shown_by(std::int64_t x, std::int64_t y, std::int64_t w
                           independent ? independent->shown_by(column, row) : kolar->shown_by(column, row));
         }
     return grid;
+}
+
+std::span<const Shown> ExchangeLayout::rows_of(std::span<const Shown> shown, std::int64_t first,
+                                               std::int64_t last) const {
+    if (variants.unit_tiles == 1) return shown;
+    const auto begin = std::partition_point(shown.begin(), shown.end(), [&](const Shown& one) {
+        return std::int64_t{one.tile_y} * tile_side + farthest <= first;
+    });
+    const auto end = std::partition_point(begin, shown.end(), [&](const Shown& one) {
+        return std::int64_t{one.tile_y} * tile_side - shapes.radius() < last;
+    });
+    return {begin, end};
 }
 
 std::size_t ExchangeLayout::memory_bytes() const noexcept {
@@ -155,8 +181,7 @@ std::string CompiledExchange::description() const {
     text << kind() << ": tile of " << layout.tile_side << " texels, " << layout.shapes.patch_count()
          << " patches, " << layout.shapes.size() << " contents, blended over " << 2 * layout.shapes.radius()
          << " texels\n";
-    line("level 0: exemplar and tile, as codes and as linear steps",
-         exemplar_.memory_bytes() + tile_.memory_bytes());
+    line("level 0: exemplar and tile", exemplar_.memory_bytes() + tile_.memory_bytes());
     line("level 0: shapes and blending weights", layout.shapes.memory_bytes());
     line("tile, levels 1 to " + std::to_string(layout.tile_level), tile_levels_.memory_bytes());
     line("stamps, levels 1 to " + std::to_string(layout.tile_level), stamps_.memory_bytes());

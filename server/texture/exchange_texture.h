@@ -40,6 +40,12 @@ struct ExchangeLayout {
     /// How many units behind a rectangle have shapes that reach into it: those of `choice: kolar` begin up to
     /// a tile before their own. Before it, it is one for all.
     std::int64_t units_after() const noexcept { return choice == Choice::kolar ? 1 : 0; }
+    /// How far the shapes of a unit reach over its right or lower border at most, in texels of level 0.
+    std::int32_t overhang = 0;
+    /// How far a box ends behind the beginning of its tile at most.
+    std::int32_t farthest = 0;
+    /// Of what a unit shows, sorted by rows of tiles, what may meet its rows of texels [first, last).
+    std::span<const Shown> rows_of(std::span<const Shown> shown, std::int64_t first, std::int64_t last) const;
     std::size_t memory_bytes() const noexcept;
 };
 

@@ -42,12 +42,12 @@ struct Kernels {
     /// RGB linear to sRGB codes, opaque.
     void (*encode)(const float* rgb, std::int32_t width, std::uint8_t* rgba);
 
-    /// One run of blended texels at level 0: sums += weight·(content − tile); all RGBA steps, weights one a
-    /// texel.
-    void (*blend)(const std::uint16_t* content, const std::uint16_t* tile, const std::uint16_t* weights,
+    /// One run of blended texels at level 0: sums += weight·(content − tile) in linear steps; texels are RGBA
+    /// codes, weights one a texel.
+    void (*blend)(const std::uint8_t* content, const std::uint8_t* tile, const std::uint16_t* weights,
                   std::int32_t width, std::int32_t* sums);
     /// tile + sums / weight_one, rounded, as sRGB codes, opaque.
-    void (*encode_blended)(const std::int32_t* sums, const std::uint16_t* tile, std::int32_t width,
+    void (*encode_blended)(const std::int32_t* sums, const std::uint8_t* tile, std::int32_t width,
                            std::uint8_t* rgba);
 };
 

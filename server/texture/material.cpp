@@ -44,7 +44,8 @@ class MaterialTexture : public Texture {
             if (auto spent = check_budget(budget); !spent) return spent.error();
             Rows rows{};
             for (std::size_t i = 0; i < sources_.size(); ++i) rows[i] = in[i].row(y);
-            all.bound_codes = std::max(all.bound_codes, fill_row(rows, errors, region.width, out.row(y)));
+            all.bound_codes =
+                std::max(all.bound_codes, fill_row(rows, errors, region.level, region.width, out.row(y)));
         }
         return all;
     }
@@ -54,8 +55,9 @@ class MaterialTexture : public Texture {
     std::size_t memory_bytes() const noexcept override { return own_bytes_; }
 
   protected:
-    /// Fills a row of `width` RGBA texels, and tells how many codes it is off at most.
-    virtual double fill_row(const Rows& in, const Errors& errors, std::int32_t width, float* out) const = 0;
+    /// Fills a row of `width` RGBA texels of `level`, and tells how many codes it is off at most.
+    virtual double fill_row(const Rows& in, const Errors& errors, int level, std::int32_t width,
+                            float* out) const = 0;
     virtual std::string words() const = 0;
 
     static void put(float* texel, double red, double green, double blue) noexcept {
@@ -90,7 +92,8 @@ class NormalTexture final : public MaterialTexture {
           range_{lean.range} {}
 
   private:
-    double fill_row(const Rows& in, const Errors& errors, std::int32_t width, float* out) const override {
+    double fill_row(const Rows& in, const Errors& errors, int, std::int32_t width,
+                    float* out) const override {
         for (std::int32_t x = 0; x < width; ++x) {
             const Slopes mean = lean_mean(in[0] + 4 * x, range_);
             const double half = 0.5 / std::sqrt(mean.x * mean.x + mean.y * mean.y + 1.0);
@@ -114,18 +117,20 @@ class RoughnessTexture final : public MaterialTexture {
           range_{lean.range} {}
 
   private:
-    double fill_row(const Rows& in, const Errors& errors, std::int32_t width, float* out) const override {
+    double fill_row(const Rows& in, const Errors& errors, int level, std::int32_t width,
+                    float* out) const override {
+        const bool bumpy = range_ > 0 && level > 0;
         double least = 1;
         for (std::int32_t x = 0; x < width; ++x) {
             const std::int32_t at = 4 * x;
             const LeanTexel texel =
-                range_ > 0 ? lean_texel(in[1] + at, in[2] + at, in[0] + at, range_) : LeanTexel{};
+                bumpy ? lean_texel(in[1] + at, in[2] + at, in[0] + at, range_) : LeanTexel{};
             const double roughness = rougher(squared_alpha(in[0] + at), texel);
             least = std::min(least, roughness);
             put(out + at, roughness, roughness, roughness);
         }
         double error = squared_alpha_error(errors[0]);
-        if (range_ > 0) error += lean_error(*std::max_element(errors.begin(), errors.end()), range_).trace;
+        if (bumpy) error += lean_error(*std::max_element(errors.begin(), errors.end()), range_).trace;
         // The root is steepest where the row is smoothest, and steeper yet below
         const double squared = least * least * least * least;
         const double above = roughness_of(squared + error) - least;
@@ -147,7 +152,8 @@ class HeightTexture final : public MaterialTexture {
         : MaterialTexture{ChannelSet::height, {source}, owns ? source->memory_bytes() : 0} {}
 
   private:
-    double fill_row(const Rows& in, const Errors& errors, std::int32_t width, float* out) const override {
+    double fill_row(const Rows& in, const Errors& errors, int, std::int32_t width,
+                    float* out) const override {
         for (std::int32_t x = 0; x < width; ++x) {
             const float height = in[0][4 * x + 2];
             put(out + 4 * x, height, height, height);
@@ -167,14 +173,17 @@ class MomentsTexture final : public MaterialTexture {
           range_{lean.range} {}
 
   private:
-    double fill_row(const Rows& in, const Errors& errors, std::int32_t width, float* out) const override {
+    double fill_row(const Rows& in, const Errors& errors, int level, std::int32_t width,
+                    float* out) const override {
         for (std::int32_t x = 0; x < width; ++x) {
             const std::int32_t at = 4 * x;
-            const LeanTexel texel = lean_texel(in[0] + at, in[1] + at, in[2] + at, range_);
+            const LeanTexel texel =
+                level > 0 ? lean_texel(in[0] + at, in[1] + at, in[2] + at, range_) : LeanTexel{};
             const double root = std::copysign(std::sqrt(std::abs(texel.covariance)), texel.covariance);
             put(out + at, std::min(1.0, std::sqrt(texel.variance_x)),
                 std::min(1.0, std::sqrt(texel.variance_y)), 0.5 + 0.5 * std::clamp(root, -1.0, 1.0));
         }
+        if (level == 0) return 0;
         // The root of something small is off by the root of its error
         const LeanError error = lean_error(*std::max_element(errors.begin(), errors.end()), range_);
         return 255 * std::sqrt(std::max(error.variance, error.covariance));

@@ -18,7 +18,9 @@ struct Channels {
 /// The channel sets that the asset's aligned images make possible, in the order of ChannelSet, albedo left
 /// out:
 ///   normal     from "normal"
-///   roughness  from "roughness"; with "normal" it grows where bumps are filtered away
+///   roughness  from "roughness"; with "normal" it grows where bumps are filtered away: from level 1 on,
+///   since
+///              where two contents blend, a level-0 texel has one normal between theirs and nothing is lost
 ///   height     from "height"
 ///   moments    from "normal"
 /// Images of other names make none. All of them show what `albedo` shows where it shows it. Normal maps have

@@ -86,10 +86,12 @@ void Shapes::add(const BitMask& mask, Shape shape) {
         }
     }
     shapes_.push_back(shape);
+    boxes_.push_back({static_cast<std::int16_t>(shape.x), static_cast<std::int16_t>(shape.y),
+                      static_cast<std::int16_t>(shape.width), static_cast<std::int16_t>(shape.height)});
 }
 
 std::size_t Shapes::memory_bytes() const noexcept {
-    return shapes_.size() * sizeof(Shape) + row_begin_.size() * sizeof(std::uint32_t) +
+    return shapes_.size() * (sizeof(Shape) + sizeof(Box)) + row_begin_.size() * sizeof(std::uint32_t) +
            segments_.size() * sizeof(Segment) + weights_.size() * sizeof(std::uint16_t);
 }
 

@@ -40,6 +40,11 @@ class Shapes {
 
     std::size_t size() const noexcept { return shapes_.size(); }
     const Shape& operator[](std::size_t shape) const noexcept { return shapes_[shape]; }
+    /// The same box, small enough that all of them stay in the fastest cache.
+    struct Box {
+        std::int16_t x = 0, y = 0, width = 0, height = 0;
+    };
+    const Box& box(std::size_t shape) const noexcept { return boxes_[shape]; }
     /// The segments of a row, from left to right, of all texels with a weight.
     std::span<const Segment> row(const Shape& shape, std::int32_t y) const noexcept {
         const std::uint32_t* begin = row_begin_.data() + shape.first_row + y;
@@ -61,6 +66,7 @@ class Shapes {
     std::int32_t radius_;
     std::int32_t widest_ = 0;
     std::vector<Shape> shapes_;
+    std::vector<Box> boxes_;
     std::vector<std::uint32_t> first_of_;
     std::vector<std::uint32_t> row_begin_;
     std::vector<Segment> segments_;

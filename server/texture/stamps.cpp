@@ -28,10 +28,8 @@ struct Box {
 Box level_0_stamp(const Shapes& shapes, const Shapes::Shape& shape, const TexelSource& exemplar,
                   const TexelSource& tile) {
     Box box{shape.x, shape.y, shape.x + shape.width, shape.y + shape.height};
-    const std::int32_t wrap = tile.height - 1;
+    const std::int32_t wrap = tile.height() - 1;
     for (std::int32_t y = 0; y < shape.height; ++y) {
-        const std::uint16_t* content = exemplar.step_row(shape.from_y + y) + std::ptrdiff_t{shape.from_x} * 4;
-        const std::uint16_t* under = tile.step_row((shape.y + y) & wrap) + std::ptrdiff_t{shape.x & wrap} * 4;
         std::int64_t* out = box.row(shape.y + y);
         for (const Shapes::Segment& segment : shapes.row(shape, y))
             for (std::int32_t x = segment.begin; x < segment.end; ++x) {
@@ -39,7 +37,9 @@ Box level_0_stamp(const Shapes& shapes, const Shapes::Shape& shape, const TexelS
                                                 ? std::int64_t{Shapes::weight_one}
                                                 : shapes.weights(segment)[x - segment.begin];
                 for (std::int32_t c = 0; c < 3; ++c)
-                    out[x * 3 + c] = weight * (std::int64_t{content[x * 4 + c]} - under[x * 4 + c]);
+                    out[x * 3 + c] =
+                        weight * (std::int64_t{exemplar.step(shape.from_x + x, shape.from_y + y, c)} -
+                                  tile.step((shape.x & wrap) + x, (shape.y + y) & wrap, c));
             }
     }
     return box;
@@ -80,13 +80,13 @@ void pack(Box& box, int level, Stamps::Level& out) {
 }  // namespace
 
 TileLevels::TileLevels(const TexelSource& tile) {
-    const std::int32_t side = tile.height;
+    const std::int32_t side = tile.height();
     std::vector<std::int64_t> sums(std::size_t(side) * std::size_t(side) * 3);
     for (std::int32_t y = 0; y < side; ++y)
         for (std::int32_t x = 0; x < side; ++x)
             for (std::int32_t c = 0; c < 3; ++c)
                 sums[(std::size_t(y) * std::size_t(side) + std::size_t(x)) * 3 + std::size_t(c)] =
-                    tile.step_row(y)[x * 4 + c];
+                    tile.step(x, y, c);
     levels_.emplace_back();
     levels_[0].side = side;
     for (std::int32_t fine = side; fine > 1; fine /= 2) {

@@ -1,56 +1,57 @@
 #include "server/texture/texel_source.h"
 
 #include <algorithm>
-#include <tuple>
 
 #include "shared/math/srgb.h"
 
 namespace tessera {
 namespace {
 
-/// Lays out the source; `texel(i)` is a code and a step of channel i of the image.
-template <class Channel>
-void fill(TexelSource& source, const Channel& channel) {
-    const std::size_t texels = std::size_t(source.width) * std::size_t(source.height);
-    source.codes.resize((texels + TexelSource::padding) * 4);
-    source.steps.resize((texels + TexelSource::padding) * 4);
-    for (std::size_t i = 0; i < texels; ++i) {
-        for (std::size_t c = 0; c < 3; ++c)
-            std::tie(source.codes[i * 4 + c], source.steps[i * 4 + c]) = channel(i * 3 + c);
-        source.codes[i * 4 + 3] = 255;
-        source.steps[i * 4 + 3] = 65535;
-    }
+/// RGB to RGBA, with room behind the last texel.
+template <class Value>
+std::vector<Value> with_alpha(const std::vector<Value>& rgb, Value opaque) {
+    std::vector<Value> out;
+    out.reserve((rgb.size() / 3 + TexelSource::padding) * 4);
+    for (std::size_t i = 0; i < rgb.size(); i += 3)
+        out.insert(out.end(), {rgb[i], rgb[i + 1], rgb[i + 2], opaque});
+    out.resize(out.size() + TexelSource::padding * 4);
+    return out;
+}
+
+template <class Value>
+std::vector<Value> repeat_rows(const std::vector<Value>& rgba, std::int32_t width, std::int32_t height,
+                               std::int32_t to_width) {
+    std::vector<Value> out;
+    if (rgba.empty()) return out;
+    out.reserve((std::size_t(to_width) * std::size_t(height) + TexelSource::padding) * 4);
+    for (std::int32_t y = 0; y < height; ++y)
+        for (std::int32_t x = 0; x < to_width; x += width) {
+            const auto row = rgba.begin() + std::ptrdiff_t{y} * width * 4;
+            out.insert(out.end(), row, row + std::ptrdiff_t{std::min(width, to_width - x)} * 4);
+        }
+    out.resize(out.size() + TexelSource::padding * 4);
+    return out;
 }
 
 }  // namespace
 
-TexelSource::TexelSource(const Rgb8Image& image) : width{image.width}, height{image.height} {
-    fill(*this, [&](std::size_t i) { return std::tuple{image.bytes[i], srgb_to_steps[image.bytes[i]]}; });
-}
+TexelSource::TexelSource(const Rgb8Image& image)
+    : width_{image.width}, height_{image.height}, codes_{with_alpha(image.bytes, std::uint8_t{255})} {}
 
-TexelSource::TexelSource(const Rgb16Image& image) : width{image.width}, height{image.height} {
-    fill(*this, [&](std::size_t i) {
-        const std::uint32_t value = image.values[i];
-        return std::tuple{static_cast<std::uint8_t>((value * 255 + 32767) / 65535), image.values[i]};
-    });
-}
+TexelSource::TexelSource(const Rgb16Image& image)
+    : width_{image.width}, height_{image.height}, steps_{with_alpha(image.values, std::uint16_t{65535})} {}
 
 TexelSource TexelSource::repeated(std::int32_t to_width) const {
     TexelSource out;
-    out.width = to_width;
-    out.height = height;
-    const std::size_t values = (std::size_t(to_width) * std::size_t(height) + padding) * 4;
-    out.codes.reserve(values);
-    out.steps.reserve(values);
-    for (std::int32_t y = 0; y < height; ++y)
-        for (std::int32_t x = 0; x < to_width; x += width) {
-            const std::ptrdiff_t count = std::ptrdiff_t{std::min(width, to_width - x)} * 4;
-            out.codes.insert(out.codes.end(), code_row(y), code_row(y) + count);
-            out.steps.insert(out.steps.end(), step_row(y), step_row(y) + count);
-        }
-    out.codes.resize(values);
-    out.steps.resize(values);
+    out.width_ = to_width;
+    out.height_ = height_;
+    out.codes_ = repeat_rows(codes_, width_, height_, to_width);
+    out.steps_ = repeat_rows(steps_, width_, height_, to_width);
     return out;
+}
+
+std::uint16_t TexelSource::step(std::int32_t x, std::int32_t y, std::int32_t channel) const noexcept {
+    return has_codes() ? srgb_to_steps[code_row(y)[x * 4 + channel]] : step_row(y)[x * 4 + channel];
 }
 
 }  // namespace tessera

@@ -38,7 +38,10 @@ TypeGrid TypedQuadtree::types_of(int height, std::int64_t x, std::int64_t y, std
         return grid;
     };
 
-    TypeGrid grid = rectangle_at(root_height);
+    TypeGrid grid = rectangle_at(root_height), below;
+    // Two grids take turns, each as large as it will ever be
+    grid.types.reserve(std::size_t(width + 2) * std::size_t(height_nodes + 2));
+    below.types.reserve(grid.types.capacity());
     for (std::int64_t row = 0; row < grid.height; ++row)
         for (std::int64_t column = 0; column < grid.width; ++column)
             grid.types.push_back(static_cast<std::uint16_t>(uniform_below(
@@ -47,12 +50,12 @@ TypeGrid TypedQuadtree::types_of(int height, std::int64_t x, std::int64_t y, std
     for (int at_height = root_height; at_height > height; --at_height) {
         // Keep the parents of what is needed below, and write whole families: a node more on a side does no
         // harm
-        const TypeGrid needed = rectangle_at(at_height - 1);
-        TypeGrid below;
-        below.x = needed.x & ~std::int64_t{1};
-        below.y = needed.y & ~std::int64_t{1};
-        below.width = static_cast<std::int32_t>(((needed.x + needed.width - 1) | 1) - below.x + 1);
-        below.height = static_cast<std::int32_t>(((needed.y + needed.height - 1) | 1) - below.y + 1);
+        const int up = at_height - 1 - height;
+        const std::int64_t last_x = (x + width - 1) >> up, last_y = (y + height_nodes - 1) >> up;
+        below.x = (x >> up) & ~std::int64_t{1};
+        below.y = (y >> up) & ~std::int64_t{1};
+        below.width = static_cast<std::int32_t>((last_x | 1) - below.x + 1);
+        below.height = static_cast<std::int32_t>((last_y | 1) - below.y + 1);
         below.types.resize(std::size_t(below.width) * std::size_t(below.height));
         const auto* families = &children_[static_cast<std::size_t>(at_height - 1) * types_];
         for (std::int32_t row = 0; row < below.height; row += 2) {
@@ -67,7 +70,7 @@ TypeGrid TypedQuadtree::types_of(int height, std::int64_t x, std::int64_t y, std
                 lower[column + 1] = family[3];
             }
         }
-        grid = std::move(below);
+        std::swap(grid, below);
     }
     return grid;
 }

@@ -19,7 +19,7 @@ struct Shown {
 };
 
 /// The shapes that each type of unit shows (DESIGN section 2, variants). No two of a list overlap, nor do
-/// they overlap what any other unit beside may show.
+/// they overlap what any other unit beside may show. Sorted by rows of tiles.
 class Variants {
   public:
     /// How many tiles a unit has on a side: 1 for content exchange, where tiles choose for themselves.

@@ -17,6 +17,8 @@ const std::array<std::uint8_t, 65536>& steps_to_srgb() noexcept {
     return table;
 }
 
+const std::uint16_t* srgb_codes_to_steps() noexcept { return srgb_to_steps.data(); }
+
 const std::uint8_t* steps_to_srgb_codes() noexcept { return steps_to_srgb().data(); }
 
 }  // namespace tessera

@@ -42,8 +42,9 @@ inline constexpr std::array<std::uint16_t, 256> srgb_to_steps = detail::make_srg
 
 /// The nearest sRGB code of each linear step: 64 KiB, built once.
 const std::array<std::uint8_t, 65536>& steps_to_srgb() noexcept;
-/// The same table's first element, for code that may call no inline function.
+/// The same tables' first elements, for code that may call no inline function.
 const std::uint8_t* steps_to_srgb_codes() noexcept;
+const std::uint16_t* srgb_codes_to_steps() noexcept;
 
 /// The nearest step of a linear value; values outside 0 to 1, and NaN, are clamped.
 inline std::uint16_t to_steps(float linear) noexcept {

@@ -1,14 +1,21 @@
-// Content exchange against a cold memcpy of a page: 64 patches of 25 contents on a 512² tile, one core.
-//   build/release/bin/evaluate_bench
-// prints for each level the time of one 256² RGBA page and its ratio to the memcpy of the same run.
+// By-example textures against a cold memcpy of a page, one core.
+//   build/release/bin/evaluate_bench [ASSET…]
+// prints for each method and level the time of one 256² RGBA page and its ratio to the memcpy of the same
+// run, what interchangeable patches cost against content exchange, one isolated texel, and 512² texels.
+// Without assets: made ones, content exchange of 64 patches of 25 contents and 400 interchangeable patches,
+// each on a 512² tile.
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <iostream>
+#include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <benchmark/benchmark.h>
 
+#include "server/scene/asset_file.h"
 #include "server/texture/exchange.h"
 #include "server/texture/kernels.h"
 #include "shared/math/hash.h"
@@ -19,12 +26,7 @@ namespace {
 
 constexpr std::size_t page_bytes = 256 * 256 * 4;
 
-const Texture& texture() {
-    static const auto made = make_exchange_texture(
-        tests::make_synthetic_asset({.tile_side = 512, .patches = 64, .contents = 25, .blend_texels = 8}),
-        {.seed = 1});
-    return *made;
-}
+std::vector<std::pair<std::string, std::shared_ptr<const Texture>>> textures;
 
 /// A page of a level that no earlier iteration asked for: what a request that misses every cache costs.
 TexelRegion fresh_page(std::uint8_t level, std::int64_t i) {
@@ -36,12 +38,12 @@ TexelRegion fresh_page(std::uint8_t level, std::int64_t i) {
 }
 
 /// A benchmark refuses to time a wrong answer: the page must be the reduction of its children.
-bool right(std::uint8_t level) {
+bool right(const Texture& texture, std::uint8_t level) {
     if (level == 0) return true;  // level 0 is what the others are held to
     const TexelRegion region{level, 3 * 256, 5 * 256, 64, 64};
     const TexelRegion children{static_cast<std::uint8_t>(level - 1), 6 * 256, 10 * 256, 128, 128};
     LinearImage page, below;
-    if (!texture().evaluate(region, Budget{}, page) || !texture().evaluate(children, Budget{}, below))
+    if (!texture.evaluate(region, Budget{}, page) || !texture.evaluate(children, Budget{}, below))
         return false;
     for (std::int32_t y = 0; y < 64; ++y)
         for (std::int32_t x = 0; x < 64; ++x)
@@ -54,17 +56,30 @@ bool right(std::uint8_t level) {
     return true;
 }
 
-void evaluate_page(benchmark::State& state) {
-    const auto level = static_cast<std::uint8_t>(state.range(0));
-    if (!right(level)) return state.SkipWithError("the page is not the reduction of its children");
+void evaluate_page(benchmark::State& state, const Texture& texture, std::uint8_t level) {
+    if (!right(texture, level)) return state.SkipWithError("the page is not the reduction of its children");
     Rgba8Image page;
     std::int64_t i = 0;
     for (auto _ : state) {
-        if (!texture().evaluate(fresh_page(level, i++), Budget{}, page))
+        if (!texture.evaluate(fresh_page(level, i++), Budget{}, page))
             return state.SkipWithError("not evaluated");
         benchmark::DoNotOptimize(page.bytes.data());
     }
     state.SetItemsProcessed(state.iterations() * 256 * 256);  // texels a second
+}
+
+/// A square of level 0 anywhere: one texel, as a ray needs it, or many.
+void evaluate_square(benchmark::State& state, const Texture& texture, std::int32_t side) {
+    Rgba8Image square;
+    std::int64_t i = 0;
+    for (auto _ : state) {
+        TexelRegion region = fresh_page(0, i++);
+        region.x += i * 37 % 256;
+        region.y += i * 101 % 256;
+        region.width = region.height = side;
+        if (!texture.evaluate(region, Budget{}, square)) return state.SkipWithError("not evaluated");
+        benchmark::DoNotOptimize(square.bytes.data());
+    }
 }
 
 void cold_memcpy(benchmark::State& state) {
@@ -79,24 +94,52 @@ void cold_memcpy(benchmark::State& state) {
     }
 }
 
-/// Prints each median as a ratio to the memcpy's of the same run.
+/// Prints each median as a ratio to the memcpy's of the same run, and to the first texture's at that level.
 class RatioReporter : public benchmark::ConsoleReporter {
   public:
     void ReportRuns(const std::vector<Run>& runs) override {
         ConsoleReporter::ReportRuns(runs);
         for (const Run& run : runs) {
             if (run.error_occurred || run.aggregate_name != "median") continue;
-            if (run.benchmark_name().starts_with("cold_memcpy"))
-                memcpy_time_ = run.GetAdjustedCPUTime();
-            else if (memcpy_time_ > 0)
-                std::cout << "  " << run.benchmark_name() << " = " << run.GetAdjustedCPUTime() / memcpy_time_
-                          << " × a cold memcpy of the page\n";
+            const double time = run.GetAdjustedCPUTime();
+            const std::string name = run.benchmark_name();
+            if (name.starts_with("cold_memcpy")) memcpy_time_ = time;
+            if (memcpy_time_ <= 0 || name.find("/level:") == std::string::npos) continue;
+            std::cout << "  " << name << " = " << time / memcpy_time_ << " × a cold memcpy of the page";
+            const std::string level = name.substr(name.find("/level:"));
+            if (const auto first = first_.find(level); first != first_.end())
+                std::cout << ", " << time / first->second << " × " << textures.front().first;
+            first_.emplace(level, time);
+            std::cout << "\n";
         }
     }
 
   private:
     double memcpy_time_ = 0;
+    std::map<std::string, double> first_;
 };
+
+void make_textures(int count, char** assets) {
+    for (int i = 0; i < count; ++i) {
+        const auto asset = read_exchange_asset(assets[i]);
+        if (!asset) {
+            std::cerr << asset.error().detail << "\n";
+            std::exit(1);
+        }
+        const auto made = make_exchange_texture(*asset, {.seed = 1});
+        textures.emplace_back(made->kind(), made);
+    }
+    if (!textures.empty()) return;
+    textures.emplace_back(
+        "content_exchange",
+        make_exchange_texture(
+            tests::make_synthetic_asset({.tile_side = 512, .patches = 64, .contents = 25, .blend_texels = 4}),
+            {.seed = 1}));
+    textures.emplace_back("interchange",
+                          make_exchange_texture(tests::make_synthetic_interchange(
+                                                    {.tile_side = 512, .patches = 400, .blend_texels = 4}),
+                                                {.seed = 1}));
+}
 
 }  // namespace
 }  // namespace tessera
@@ -104,14 +147,26 @@ class RatioReporter : public benchmark::ConsoleReporter {
 int main(int argc, char** argv) {
     using namespace tessera;
     benchmark::Initialize(&argc, argv);
-    std::cout << "kernels: " << kernels().name << "\n" << texture().description();
+    make_textures(argc - 1, argv + 1);
+    std::cout << "kernels: " << kernels().name << "\n";
     const auto repeat = [](benchmark::internal::Benchmark* b) {
-        b->Repetitions(7)->ReportAggregatesOnly()->MinTime(0.05)->Unit(benchmark::kMicrosecond);
+        b->Repetitions(7)->ReportAggregatesOnly()->MinTime(0.01)->Unit(benchmark::kMicrosecond);
     };
     repeat(benchmark::RegisterBenchmark("cold_memcpy", cold_memcpy));
-    auto* pages = benchmark::RegisterBenchmark("evaluate_page", evaluate_page)->ArgName("level");
-    for (int level = 0; level <= 20; ++level) pages->Arg(level);
-    repeat(pages);
+    for (const auto& [name, texture] : textures) {
+        std::cout << texture->description();
+        const Texture* of = texture.get();
+        repeat(benchmark::RegisterBenchmark((name + "/one_texel").c_str(), [of](benchmark::State& state) {
+            evaluate_square(state, *of, 1);
+        }));
+        repeat(benchmark::RegisterBenchmark((name + "/512_square").c_str(), [of](benchmark::State& state) {
+            evaluate_square(state, *of, 512);
+        }));
+        for (std::uint8_t level = 0; level <= 12; ++level)
+            repeat(benchmark::RegisterBenchmark(
+                (name + "/level:" + std::to_string(level)).c_str(),
+                [of, level](benchmark::State& state) { evaluate_page(state, *of, level); }));
+    }
     RatioReporter reporter;
     benchmark::RunSpecifiedBenchmarks(&reporter);
 }

@@ -34,11 +34,12 @@ TEST(Kernels, EncodeClampsAndRoundsLikeTheTableForEveryWidth) {
 
 TEST(Kernels, BlendAddsTheWeightedDifferenceFromTheTile) {
     constexpr std::int32_t width = 37;
-    std::vector<std::uint16_t> tile, content[2], weights[2];
+    std::vector<std::uint8_t> tile, content[2];
+    std::vector<std::uint16_t> weights[2];
     for (std::int64_t i = 0; i < width * 4; ++i) {
-        tile.push_back(static_cast<std::uint16_t>(random(i)));
+        tile.push_back(static_cast<std::uint8_t>(random(i)));
         for (std::int64_t t = 0; t < 2; ++t) {
-            content[t].push_back(static_cast<std::uint16_t>(random(i, t)));
+            content[t].push_back(static_cast<std::uint8_t>(random(i, t)));
             // Two sum to no more than one
             if (i < width) weights[t].push_back(static_cast<std::uint16_t>(random(i, t + 10) % 16385));
         }
@@ -51,12 +52,17 @@ TEST(Kernels, BlendAddsTheWeightedDifferenceFromTheTile) {
         std::vector<std::uint8_t> rgba(std::size_t{width} * 4);
         kernel.encode_blended(sums.data(), tile.data(), width, rgba.data());
         for (std::size_t i = 0; i < sums.size(); ++i) {
-            const std::int64_t first = weights[0][i / 4], second = weights[1][i / 4];
-            const std::int64_t blended =
-                first * content[0][i] + second * content[1][i] + (32768 - first - second) * tile[i];
-            ASSERT_EQ(sums[i], blended - std::int64_t{32768} * tile[i]) << kernel.name;
-            ASSERT_EQ(rgba[i], i % 4 == 3 ? 255 : steps_to_srgb()[std::size_t((blended + 16384) / 32768)])
-                << kernel.name;
+            if (i % 4 == 3) {
+                ASSERT_EQ(rgba[i], 255);
+                continue;
+            }
+            const std::int64_t first = weights[0][i / 4], second = weights[1][i / 4],
+                               under = srgb_to_steps[tile[i]];
+            const std::int64_t blended = first * srgb_to_steps[content[0][i]] +
+                                         second * srgb_to_steps[content[1][i]] +
+                                         (32768 - first - second) * under;
+            ASSERT_EQ(sums[i], blended - std::int64_t{32768} * under) << kernel.name;
+            ASSERT_EQ(rgba[i], steps_to_srgb()[std::size_t((blended + 16384) / 32768)]) << kernel.name;
         }
     }
 }
