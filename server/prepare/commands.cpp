@@ -76,39 +76,24 @@ Result<void> read_patch_map(const std::string& file, PrepareOptions& options) {
     return {};
 }
 
-/// What preparation goes on from, with what was said of its contents since.
-struct Before {
-    ExchangeAsset asset;
-    PrepareOptions options;
-    std::vector<AlignedImage> aligned;
-};
-
-Result<Before> read_before(const Arguments& arguments, const Rgb8Image& photo,
-                           const std::vector<StandingChange>& changes, Progress& progress) {
-    const auto made = read_preparation(arguments.asset);
-    if (!made) return made.error();
-    auto asset = read_exchange_asset(arguments.asset);
-    if (!asset) return asset.error();
-    const bool is_exemplar = asset->method != ExchangeMethod::wang;
-    if (made->photo.empty() ? is_exemplar && asset->exemplar.bytes != photo.bytes
-                            : made->photo != photo_id(photo))
-        return invalid(arguments.photo + ": is not the photograph that " + arguments.asset +
-                       " was made of; name that one, or leave --continue out");
-    if (made->version != prepare_version)
+/// What preparation goes on from, with what was said of its contents since, and the aligned images that it
+/// needs.
+Result<Earlier> read_continued(const Arguments& arguments, const Rgb8Image& photo,
+                               const std::vector<StandingChange>& changes, bool has_aligned,
+                               Progress& progress) {
+    auto earlier = read_earlier(arguments.asset, photo);
+    if (!earlier)
+        return Error{earlier.error().code, earlier.error().detail + "; or leave --continue out, and " +
+                                               arguments.photo + " is prepared afresh"};
+    if (!earlier->cut_up.empty() && !has_aligned)
+        return invalid(arguments.asset + ": holds its " + earlier->cut_up.front() +
+                       " cut into tiles; name the image again: --" + earlier->cut_up.front() + " FILE");
+    if (earlier->version != prepare_version)
         progress.note(arguments.asset + " was prepared by another version: what is not pinned may change");
-    if (auto applied = apply_standings(*asset, arguments.asset, changes); !applied) return applied.error();
-
-    Before before;
-    before.options = recorded_options(*asset, *made);
-    before.options.threads = arguments.options.threads;
-    for (auto& channel : asset->channels) {
-        if (!is_exemplar)
-            return invalid(arguments.asset + ": has a " + channel.name +
-                           " cut into tiles; name the image again: --" + channel.name + " FILE");
-        before.aligned.push_back({channel.name, std::move(channel.exemplar)});
-    }
-    before.asset = std::move(*asset);
-    return before;
+    if (auto applied = apply_standings(earlier->asset, arguments.asset, changes); !applied)
+        return applied.error();
+    earlier->options.threads = arguments.options.threads;
+    return earlier;
 }
 
 Result<ExchangeAsset> prepare_file(const Arguments& arguments, Progress& progress) {
@@ -123,11 +108,11 @@ Result<ExchangeAsset> prepare_file(const Arguments& arguments, Progress& progres
     PrepareOptions options = arguments.options;
     ExchangeAsset before;
     if (arguments.go_on) {
-        auto read = read_before(arguments, *photo, *changes, progress);
-        if (!read) return read.error();
-        before = std::move(read->asset);
-        options = std::move(read->options);
-        if (aligned->empty()) *aligned = std::move(read->aligned);
+        auto earlier = read_continued(arguments, *photo, *changes, !aligned->empty(), progress);
+        if (!earlier) return earlier.error();
+        before = std::move(earlier->asset);
+        options = std::move(earlier->options);
+        if (aligned->empty()) *aligned = std::move(earlier->aligned);
     } else if (!arguments.patch_map.empty()) {
         if (auto read = read_patch_map(arguments.patch_map, options); !read) return read.error();
     }

@@ -58,17 +58,43 @@ Result<RecordedAsset> prepare_recorded(const Rgb8Image& photo, const std::vector
     return made;
 }
 
-PrepareOptions recorded_options(const ExchangeAsset& asset, const Preparation& preparation) {
-    PrepareOptions options;
-    options.method = asset.method;
-    options.tile_side = preparation.tile_side;
-    options.patches = preparation.patches;
-    options.contents = preparation.contents;
-    options.colors = preparation.colors;
-    options.blend_texels = preparation.blend_texels;
-    options.seed = preparation.seed;
-    if (preparation.painted_patch_map) options.patch_map = asset.labels;
-    return options;
+bool Earlier::is_judged() const {
+    for (const auto& patch : asset.patches)
+        for (const auto& content : patch.contents)
+            if (content.standing != ExchangeAsset::Standing::chosen) return true;
+    return false;
+}
+
+Result<Earlier> read_earlier(const std::filesystem::path& folder, const Rgb8Image& photo) {
+    const auto made = read_preparation(folder);
+    if (!made) return made.error();
+    auto asset = read_exchange_asset(folder);
+    if (!asset) return asset.error();
+    const bool holds_photo = asset->method != ExchangeMethod::wang;
+    // What the version before prepared does not name its photograph, but holds it
+    if (made->photo.empty() ? !holds_photo || asset->exemplar.bytes != photo.bytes
+                            : made->photo != photo_id(photo))
+        return Error{ErrorCode::invalid_input,
+                     folder.string() + ": was made of another photograph; name that one"};
+
+    Earlier earlier;
+    PrepareOptions& options = earlier.options;
+    options.method = asset->method;
+    options.tile_side = made->tile_side;
+    options.patches = made->patches;
+    options.contents = made->contents;
+    options.colors = made->colors;
+    options.blend_texels = made->blend_texels;
+    options.seed = made->seed;
+    if (made->painted_patch_map) options.patch_map = asset->labels;
+    earlier.version = made->version;
+    for (auto& channel : asset->channels)
+        if (holds_photo)
+            earlier.aligned.push_back({channel.name, std::move(channel.exemplar)});
+        else
+            earlier.cut_up.push_back(channel.name);
+    earlier.asset = std::move(*asset);
+    return earlier;
 }
 
 std::vector<TerminalProgress::Share> prepare_shares(ExchangeMethod method) {

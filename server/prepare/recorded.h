@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -33,8 +34,21 @@ Result<RecordedAsset> prepare_recorded(const Rgb8Image& photo, const std::vector
                                        const PrepareOptions& options, const ExchangeAsset* before,
                                        Progress& progress);
 
-/// What the asset was prepared with, to go on from there.
-PrepareOptions recorded_options(const ExchangeAsset& asset, const Preparation& preparation);
+/// Where preparation goes on from.
+struct Earlier {
+    ExchangeAsset asset;
+    PrepareOptions options;             ///< What it was prepared with.
+    std::uint32_t version = 0;          ///< Of the preparation; see prepare_version.
+    std::vector<AlignedImage> aligned;  ///< As they were given, where the asset still holds them whole.
+    std::vector<std::string> cut_up;    ///< Names of those that it holds in pieces only.
+
+    /// Whether a person pinned or dropped any content.
+    bool is_judged() const;
+};
+
+/// Reads the asset in `folder`. Errors: those of reading, and invalid_input if it was not made of this
+/// photograph.
+Result<Earlier> read_earlier(const std::filesystem::path& folder, const Rgb8Image& photo);
 
 /// The method's stages and what each takes of the time, as a progress bar wants them.
 std::vector<TerminalProgress::Share> prepare_shares(ExchangeMethod method);

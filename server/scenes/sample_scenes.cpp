@@ -60,30 +60,19 @@ proto::Exchange& exchange_of(proto::Scene& scene, ExchangeMethod method) {
     return *scene.mutable_content_exchange();
 }
 
-/// The asset in the scene's folder if a person pinned or dropped some of its contents.
-std::optional<ExchangeAsset> with_a_persons_word(const fs::path& folder, const Preparation& made,
-                                                 const Rgb8Image& exemplar) {
-    if (made.photo != photo_id(exemplar)) return std::nullopt;
-    auto asset = read_exchange_asset(folder / asset_folder_name);
-    if (!asset) return std::nullopt;
-    for (const auto& patch : asset->patches)
-        for (const auto& content : patch.contents)
-            if (content.standing != ExchangeAsset::Standing::chosen) return std::move(*asset);
-    return std::nullopt;
-}
-
-/// `before`: the scene's folder if only its asset is to be renewed. `where` names the exemplar in messages.
-Result<RecordedAsset> prepare(const Picture& picture, const std::string& where, const PrepareOptions& options,
+/// `before`: the scene's folder if only its asset is to be renewed, as it was asked for then. `where` names
+/// the exemplar in messages.
+Result<RecordedAsset> prepare(Picture picture, const std::string& where, PrepareOptions options,
                               const fs::path* before, Progress& progress) {
     std::optional<ExchangeAsset> judged;
-    PrepareOptions wanted = options;
-    if (const auto made = before ? preparation_of(*before) : std::nullopt) {
-        judged = with_a_persons_word(*before, *made, picture.exemplar);
-        if (judged) wanted = recorded_options(*judged, *made);
-        wanted.threads = options.threads;
-    }
+    if (before != nullptr)
+        if (auto earlier = read_earlier(*before / asset_folder_name, picture.exemplar)) {
+            if (earlier->is_judged()) judged = std::move(earlier->asset);
+            options = std::move(earlier->options);
+            if (picture.aligned.empty()) picture.aligned = std::move(earlier->aligned);
+        }
     auto prepared =
-        prepare_recorded(picture.exemplar, picture.aligned, wanted, judged ? &*judged : nullptr, progress);
+        prepare_recorded(picture.exemplar, picture.aligned, options, judged ? &*judged : nullptr, progress);
     if (!prepared) return Error{prepared.error().code, where + ": " + prepared.error().detail};
     return prepared;
 }
@@ -189,13 +178,13 @@ Result<Made> make_sample(const Sample& sample, const fs::path& folder, const fs:
     const fs::path photo = photo_of(sample, photos);
     const bool is_painted = sample.source == Sample::Source::painting;
     if (std::error_code failure; keep_scene && !is_painted && !fs::exists(photo, failure)) return Made::kept;
-    const Result<Picture> picture =
+    Result<Picture> picture =
         is_painted ? Result<Picture>{paint(progress)} : read_picture(photo, ImageLimits{});
     if (!picture) return picture.error();
     PrepareOptions options;
     options.method = sample.method;
-    const auto made = prepare(*picture, is_painted ? std::string{sample.name} : photo.string(), options,
-                              keep_scene ? &target : nullptr, progress);
+    const auto made = prepare(std::move(*picture), is_painted ? std::string{sample.name} : photo.string(),
+                              options, keep_scene ? &target : nullptr, progress);
     if (!made) return made.error();
     if (auto done = write(*made, std::move(scene), target, keep_scene, progress); !done) return done.error();
     return Made::written;
@@ -203,7 +192,7 @@ Result<Made> make_sample(const Sample& sample, const fs::path& folder, const fs:
 
 Result<PhotoScene> make_photo_scene(const fs::path& photo, const fs::path& folder,
                                     const PhotoSceneOptions& options, Progress& progress) {
-    const auto picture = read_picture(photo, options.limits);
+    auto picture = read_picture(photo, options.limits);
     if (!picture) return picture.error();
     const std::string name = scene_id_of(photo, options.prepare.method);
     std::string id = id_of_picture(picture->exemplar, options.prepare.method, folder, name);
@@ -215,8 +204,8 @@ Result<PhotoScene> make_photo_scene(const fs::path& photo, const fs::path& folde
                          scene.error().detail + "; mend it, or make it again: tessera scene --force"};
         if (!is_outdated(there)) return PhotoScene{id, Made::kept};
     }
-    const auto made =
-        prepare(*picture, photo.string(), options.prepare, keep_scene ? &there : nullptr, progress);
+    const auto made = prepare(std::move(*picture), photo.string(), options.prepare,
+                              keep_scene ? &there : nullptr, progress);
     if (!made) return made.error();
     // Only now, since a name may have been taken during the minutes of preparation
     if (id.empty()) id = free_id(folder, name);
