@@ -4,12 +4,13 @@ set -euo pipefail
 
 usage() {
     cat <<'END'
-usage: ./run.sh [PHOTO|SCENE] [--listen ADDR:PORT] [--view] [--prepare]
+usage: ./run.sh [PHOTO|SCENE] [--method METHOD] [--listen ADDR:PORT] [--view] [--prepare]
 
   PHOTO               an image file: prepared and served; the printed address opens it
-  SCENE               a sample (pebbles, coffee, stones, maple-leaves, leaf, constant, checker)
-                      or a folder with a scene.json
+  SCENE               a sample (pebbles, pebbles-interchange, pebbles-wang, coffee, stones,
+                      maple-leaves, leaf, constant, checker) or a folder with a scene.json
                       Neither: all samples
+  --method METHOD     how PHOTO is prepared: content_exchange unless given, interchange, wang
   --listen ADDR:PORT  where to serve, 127.0.0.1:7070 unless given; port 0 picks a free one
   --view              open the GL client too
   --prepare           do all but serve; the last line is the folder of prepared scenes,
@@ -27,7 +28,7 @@ misused() {
     exit 2
 }
 
-target='' listen=127.0.0.1:7070 view=false prepare_only=false
+target='' method=content_exchange listen=127.0.0.1:7070 view=false prepare_only=false
 while (($# > 0)); do
     case $1 in
         --listen)
@@ -35,6 +36,12 @@ while (($# > 0)); do
             listen=$2
             shift
             ;;
+        --method)
+            (($# > 1)) || misused "--method needs content_exchange, interchange or wang"
+            method=$2
+            shift
+            ;;
+        --method=*) method=${1#*=} ;;
         --listen=*) listen=${1#*=} ;;
         --view) view=true ;;
         --prepare) prepare_only=true ;;
@@ -51,6 +58,9 @@ while (($# > 0)); do
     esac
     shift
 done
+if [[ $method != content_exchange && $method != interchange && $method != wang ]]; then
+    misused "--method $method: content_exchange, interchange or wang"
+fi
 if ! [[ $listen =~ ^.+:[0-9]{1,5}$ ]] || ((10#${listen##*:} > 65535)); then
     misused "--listen $listen: ADDR:PORT, such as 127.0.0.1:7070"
 fi
@@ -69,11 +79,15 @@ if [[ -n $target ]]; then
         [[ -f $target/scene.json ]] || fail "$target: is a folder without scene.json; name a scene's folder"
         kind=folder
         target=$(realpath "$target")
-    elif [[ " pebbles coffee stones maple-leaves leaf constant checker " == *" $target "* ]]; then
+    elif [[ " pebbles pebbles-interchange pebbles-wang coffee stones maple-leaves leaf constant checker " == *" $target "* ]]; then
         kind=sample
     else
         misused "$target: neither an image file, nor a scene's folder, nor a sample's name"
     fi
+fi
+
+if [[ $method != content_exchange && $kind != photo ]]; then
+    misused "--method $method: is for a PHOTO; a scene has a method of its own"
 fi
 
 cd "$(dirname "$(realpath "$0")")"
@@ -112,7 +126,7 @@ fetch_photos() {
 }
 case $kind in
     photo)
-        opened=$("$tessera" scene "$target" --output "$scenes") || exit 1
+        opened=$("$tessera" scene "$target" --method "$method" --output "$scenes") || exit 1
         ;;
     folder)
         "$tessera" check "$target" >&2 || exit 1

@@ -26,6 +26,8 @@ expect 2 'neither an image file' ./run.sh no-such-photo.jpg
 expect 2 '--listen nowhere' ./run.sh --listen nowhere
 expect 2 '65536' ./run.sh --listen 127.0.0.1:65536
 expect 2 'one PHOTO or SCENE' ./run.sh pebbles coffee
+expect 2 '--method quilt' ./run.sh --method quilt
+expect 2 'a scene has a method of its own' ./run.sh pebbles --method wang
 expect 1 'without scene.json' ./run.sh "$folder"
 expect 1 'no display' env -u DISPLAY -u WAYLAND_DISPLAY ./run.sh --view
 expect 0 'usage: docker/install.sh' docker/install.sh --help
