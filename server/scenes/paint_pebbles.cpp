@@ -15,6 +15,10 @@ namespace {
 /// Canvas texels along each side of a texel of the picture: smooths outlines and grains.
 constexpr std::int32_t oversampling = 2;
 
+/// Of the normals: stones as steep as these are as rough as can be when seen from afar, and where all is
+/// white, no roughness is to be told from another.
+constexpr double relief = 0.35;
+
 constexpr LinearColor sun_color{1.26, 1.18, 1.02};
 constexpr LinearColor sky_color{0.36, 0.41, 0.50};
 constexpr LinearColor bounce_color{0.060, 0.050, 0.038};  // light that the stones themselves throw back
@@ -150,6 +154,8 @@ void paint_row(const PebblePile& pile, Heights heights, std::int32_t y, PaintedS
             painted.color.bytes[at + c] = to_code(sum[c] / (oversampling * oversampling));
 
         // The canvas' y points down, a normal map's up
+        slope_x *= relief;
+        slope_y *= relief;
         const double half = 0.5 / std::sqrt(slope_x * slope_x + slope_y * slope_y + 1.0);
         const std::array<double, 3> normal{0.5 + slope_x * half, 0.5 - slope_y * half, 0.5 + half};
         for (std::size_t c = 0; c < 3; ++c) {

@@ -18,7 +18,7 @@ Rgb8Image paint_pebbles(std::int32_t side, std::uint64_t seed);
 /// The same picture with what it was painted from, texel by texel.
 struct PaintedSurface {
     Rgb8Image color;
-    Rgb8Image normal;     ///< Of the mean slopes; x to the right, y up (OpenGL).
+    Rgb8Image normal;     ///< Of the mean slopes of a flatter relief; x to the right, y up (OpenGL).
     Rgb8Image roughness;  ///< Grey.
     Rgb8Image height;     ///< Grey, from the lowest sand to the highest stone.
 };

@@ -189,6 +189,13 @@ TEST_P(MaterialLaws, AFlatSurfaceKeepsItsNormalAndRoughnessToTheLastCodeAtEveryL
         }
 }
 
+TEST_P(MaterialLaws, BlendingTwoContentsIsNotRough) {
+    const Surface blended{bumpy(100, 100), options(true)};
+    const TexelRegion region{0, -300, 77, 200, 200};
+    const Rgba8Image rough = codes_of(blended[ChannelSet::roughness], region);
+    for (std::size_t i = 0; i < rough.bytes.size(); i += 4) ASSERT_EQ(rough.bytes[i], 100);
+}
+
 TEST_P(MaterialLaws, EverySetShowsThePlaceThatTheAlbedoShows) {
     ExchangeAsset asset = bumpy();
     add_copy_of_albedo(asset, "height");
