@@ -57,6 +57,10 @@ struct Repetition {
         double elsewhere = 0;  ///< The greatest of as many shifts half a tile off: what chance shows.
     };
     std::vector<Level> levels;  ///< 0, and 4 and 5 where the tile has texels there.
+    /// Lightness of each place of the tile, 0 to 100, on average over the occurrences in the sample: whatever
+    /// of the period can be seen, is seen here. Of a large tile, every so many texels.
+    std::int32_t mean_side = 0;
+    std::vector<float> mean_lightness;
 };
 
 /// What each place of the tile shows, over all occurrences of the tile in a sample.

@@ -174,4 +174,18 @@ Rgba8Image draw_cells(const TileShare::Figure& figure, std::int32_t cells_a_side
     return image;
 }
 
+Rgba8Image draw_mean_tile(const Repetition& repetition) {
+    Rgba8Image image{repetition.mean_side, repetition.mean_side};
+    for (std::int32_t y = 0; y < image.height; ++y)
+        for (std::int32_t x = 0; x < image.width; ++x) {
+            const float lightness =
+                repetition.mean_lightness[std::size_t(y) * std::size_t(image.width) + std::size_t(x)];
+            // Codes of greys follow lightness closely
+            const auto code =
+                static_cast<std::uint8_t>(std::lround(std::clamp(lightness, 0.0F, 100.0F) * 2.55F));
+            put(image, x, y, {code, code, code});
+        }
+    return image;
+}
+
 }  // namespace tessera

@@ -34,6 +34,9 @@ Rgba8Image draw_seam_energy(const ExchangeAsset& asset, const Seams& seams);
 /// A texel for each cell, the brightest for 1.
 Rgba8Image draw_cells(const TileShare::Figure& figure, std::int32_t cells_a_side);
 
+/// Greys as light as Repetition::mean_lightness.
+Rgba8Image draw_mean_tile(const Repetition& repetition);
+
 /// A content by itself: what it costs, and how it looks.
 struct ContentFacts {
     std::size_t patch = 0;

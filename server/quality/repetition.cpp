@@ -16,12 +16,13 @@ constexpr std::int32_t farthest = 3;  ///< Tiles each way.
 struct Sample {
     std::int32_t side = 0;
     std::vector<std::int16_t> lightness;
+    std::int16_t mean = 0;
 };
 
 /// Every `stride`-th texel each way of a square of `level` around the origin.
 Result<Sample> take_sample(const ExchangeTexture& texture, int level, std::int32_t side, std::int32_t stride,
                            const ProgressPart& progress) {
-    Sample sample{side, {}};
+    Sample sample{side, {}, 0};
     sample.lightness.reserve(std::size_t(side) * std::size_t(side));
     const std::int64_t first = -std::int64_t{side} * stride / 2;
     // Texels apart are rows apart too: then strips are single rows, in pieces that one evaluation may have
@@ -43,8 +44,8 @@ Result<Sample> take_sample(const ExchangeTexture& texture, int level, std::int32
                 }
         }
     }
-    const auto mean = static_cast<std::int16_t>(sum / std::ssize(sample.lightness));
-    for (auto& value : sample.lightness) value = static_cast<std::int16_t>(value - mean);
+    sample.mean = static_cast<std::int16_t>(sum / std::ssize(sample.lightness));
+    for (auto& value : sample.lightness) value = static_cast<std::int16_t>(value - sample.mean);
     return sample;
 }
 
@@ -87,6 +88,21 @@ Repetition::Level repetition_of(const Sample& sample, int level, std::int32_t pe
     return out;
 }
 
+/// The mean over all tiles, which fill the sample.
+std::vector<float> mean_tile(const Sample& sample, std::int32_t period) {
+    std::vector<std::int32_t> sums(std::size_t(period) * std::size_t(period));
+    for (std::int32_t y = 0; y < sample.side; ++y)
+        for (std::int32_t x = 0; x < sample.side; ++x)
+            sums[std::size_t(y % period) * std::size_t(period) + std::size_t(x % period)] +=
+                sample.lightness[std::size_t(y) * std::size_t(sample.side) + std::size_t(x)];
+    const std::int32_t tiles = sample.side / period * (sample.side / period);
+    std::vector<float> means;
+    means.reserve(sums.size());
+    for (const std::int32_t sum : sums)
+        means.push_back((float(sum) / float(tiles) + float(sample.mean)) / 16);
+    return means;
+}
+
 }  // namespace
 
 Result<Repetition> measure_repetition(const ExchangeTexture& texture, std::int32_t tile_side,
@@ -97,6 +113,8 @@ Result<Repetition> measure_repetition(const ExchangeTexture& texture, std::int32
     const auto fine = take_sample(texture, 0, sample_side, stride, progress.part(0, 0.7));
     if (!fine) return fine.error();
     repetition.levels.push_back(repetition_of(*fine, 0, tile_side / stride));
+    repetition.mean_side = tile_side / stride;
+    repetition.mean_lightness = mean_tile(*fine, repetition.mean_side);
     for (const int level : {4, 5}) {
         const std::int32_t period = tile_side >> level;
         if (period < 1 || period * (farthest + 1) >= coarse_sample_side) continue;

@@ -90,6 +90,7 @@ Result<ReportPictures> draw_pictures(const ExchangeAsset& asset, const Quality& 
     const std::int32_t cells = quality.share.cells_a_side;
     if (!keep(out.tile, embed_png(tile_at_level(asset.tile, 0))) ||
         !keep(out.seam_energy, embed_jpeg(draw_seam_energy(asset, quality.seams))) ||
+        !keep(out.mean_tile, embed_png(draw_mean_tile(quality.repetition))) ||
         !keep(out.tile_share, embed_png(draw_cells(quality.share.tile, cells))) ||
         !keep(out.repeat_rate, embed_png(draw_cells(quality.share.repeat, cells))))
         return wrong;

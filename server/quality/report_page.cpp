@@ -150,7 +150,10 @@ std::string shares_section(const ReportPictures& pictures, const Quality& qualit
         "<figcaption><b>Shows the tile itself</b></figcaption></figure><figure>" +
         zoomable("repeat", pictures.repeat_rate, "How likely two occurrences show the same", "cells") +
         heat_legend("never", "always") +
-        "<figcaption><b>Shows the same twice</b></figcaption></figure></div>\n<div class=wide><table "
+        "<figcaption><b>Shows the same twice</b></figcaption></figure><figure>" +
+        zoomable("mean", pictures.mean_tile, "The mean of all occurrences") +
+        "<figcaption><b>Mean of all occurrences</b>: what of the period can be seen from afar; plain grey is "
+        "best</figcaption></figure></div>\n<div class=wide><table "
         "data-shares><thead><tr><th><th class=n>Mean"
         "<th class=n>Greatest<th class=n>Corner<th class=n>Border<th class=n title=\"Independent draws with "
         "the mean rate, and three standard deviations\">Chance"
@@ -325,6 +328,7 @@ std::string backgrounds(const ReportPictures& pictures) {
     add("tile", pictures.tile);
     add("patches", pictures.patches);
     add("seams", pictures.seam_energy);
+    add("mean", pictures.mean_tile);
     add("share", pictures.tile_share);
     add("repeat", pictures.repeat_rate);
     for (const auto& preview : pictures.previews) {

@@ -24,7 +24,7 @@ struct ReportPictures {
         EmbeddedPicture tile;  ///< To be repeated.
     };
     std::vector<Preview> previews;
-    EmbeddedPicture tile, patches, seam_energy, tile_share, repeat_rate;
+    EmbeddedPicture tile, patches, seam_energy, tile_share, repeat_rate, mean_tile;
     std::int32_t greatest_coverage = 0;  ///< interchange: what `patches` shows at its brightest.
     std::vector<EmbeddedPicture> sheets;
 };

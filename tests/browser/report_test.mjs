@@ -82,7 +82,7 @@ test('holds pictures that can be decoded, each as large as it says', async () =>
     }
     return sizes;
   });
-  assert.equal(sizes.length, 3 + 3 + 2, 'previews; tile, patch map, seams; what repeats where');
+  assert.equal(sizes.length, 3 + 3 + 3, 'previews; tile, patch map, seams; what repeats where');
   for (const [is, said] of sizes) assert.equal(is, said);
   assert.equal(await page.locator('.content').count(), figures.contents);
   const sheets = await page.evaluate(() => [...document.querySelectorAll('.content i')].filter(

@@ -139,6 +139,13 @@ TEST_F(Measures, ThePeriodicTileRepeatsAndNoiseDoesNot) {
         PaintedTexture{[](std::int64_t x, std::int64_t y) { return noise(x, y); }}, 256, progress);
     ASSERT_TRUE(free);
     EXPECT_LT(free->levels[0].greatest.value, 0.005);
+    // The mean of all occurrences is the tile, or nearly flat
+    ASSERT_EQ(periodic->mean_side, 256);
+    for (const int at : {0, 77, 65535}) {
+        const Codes codes = tile(at % 256, at / 256);
+        EXPECT_NEAR(periodic->mean_lightness[std::size_t(at)], tessera::lightness_of(codes.data()), 0.1);
+        EXPECT_NEAR(free->mean_lightness[std::size_t(at)], lightness_at(91), 3);
+    }
 }
 
 TEST_F(Measures, HalfTheTilesReplacedRepeatAQuarter) {

@@ -82,8 +82,8 @@ TEST_F(Report, IsOneFileThatAsksNobodyAndHoldsEveryPartOnce) {
     const std::string whole = read(html), page = without_pictures(whole);
     EXPECT_LT(whole.size(), 15U << 20);
     EXPECT_THAT(page, HasSubstr("<title>stones · Tessera</title>"));
-    for (const char* picture : {"tile", "patches", "seams", "share", "repeat", "preview-0", "preview-3",
-                                "preview-6", "repeat-0", "repeat-3", "repeat-6", "sheet-0"}) {
+    for (const char* picture : {"tile", "patches", "seams", "share", "repeat", "mean", "preview-0",
+                                "preview-3", "preview-6", "repeat-0", "repeat-3", "repeat-6", "sheet-0"}) {
         EXPECT_EQ(occurrences(page, ".shows-" + std::string{picture} + "{background-image:url(data:image/"),
                   1)
             << picture;
