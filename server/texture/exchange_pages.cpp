@@ -7,9 +7,9 @@
 namespace tessera {
 namespace {
 
-/// Rows that are summed together: few enough that they stay in the fastest cache, many enough that a stamp is
-/// looked up once for most of its rows.
-constexpr std::int32_t band_rows = 16;
+/// Rows that are summed together: few enough that they stay in a near cache, many enough that a stamp is
+/// looked up once for most of its rows, and these are fewer on coarser levels.
+constexpr std::int32_t rows_together(int level) { return 16 << std::min(level, 2); }
 
 }  // namespace
 
@@ -98,8 +98,8 @@ class CompiledExchange::Level0Band {
         : texture_{texture},
           block_{block},
           rows_{rows},
-          sums_(std::size_t(block.width) * band_rows * 4 + 64),
-          blended_(std::size_t(block.width) * band_rows) {}
+          sums_(std::size_t(block.width) * std::size_t(std::min(block.height, rows_together(0))) * 4 + 64),
+          blended_(std::size_t(block.width) * std::size_t(std::min(block.height, rows_together(0)))) {}
 
     /// Begins with the tile everywhere.
     void begin(std::int32_t first, std::int32_t count) {
@@ -271,6 +271,7 @@ Result<Evaluation> CompiledExchange::blend_texels(const Block& block, const Budg
     const ExchangeLayout& layout = *layout_;
     UnitGrid shown = shown_in(block);
     Level0Band band{*this, block, rows};
+    constexpr std::int32_t band_rows = rows_together(0);
     std::uint64_t work = 0;
     for (std::int32_t first = 0; first < block.height; first += band_rows) {
         if (auto spent = check_budget(budget); !spent) return spent.error();
@@ -283,8 +284,6 @@ Result<Evaluation> CompiledExchange::blend_texels(const Block& block, const Budg
                 for (const Shown& one :
                      layout.rows_of(shown.at(ux, uy), first - unit_y, first + count - unit_y)) {
                     const std::int64_t tile_x = unit_x + std::int64_t{one.tile_x} * layout.tile_side;
-                    if (tile_x - layout.shapes.radius() >= block.width || tile_x + layout.farthest <= 0)
-                        continue;
                     const Shapes::Box& box = layout.shapes.box(one.shape);
                     const std::int64_t y = unit_y + std::int64_t{one.tile_y} * layout.tile_side + box.y;
                     if (y >= first + count || y + box.height <= first) continue;
@@ -338,7 +337,9 @@ Result<Evaluation> CompiledExchange::sum_stamps(const Block& block, const Budget
     const int unit_shift = layout.unit_level - block.level;
     const std::ptrdiff_t stride = std::ptrdiff_t{block.width} * 3;
     UnitGrid shown = shown_in(block);
-    std::vector<float> rgb(std::size_t(stride) * band_rows);
+    const std::int32_t band_rows = rows_together(block.level);
+    std::vector<float> rgb(std::size_t(stride) * std::size_t(std::min(band_rows, block.height)) +
+                           Stamps::row_floats);
     std::uint64_t work = 0;
     for (std::int32_t first = 0; first < block.height; first += band_rows) {
         if (auto spent = check_budget(budget); !spent) return spent.error();

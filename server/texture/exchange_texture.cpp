@@ -64,8 +64,8 @@ ExchangeLayout::ExchangeLayout(const ExchangeAsset& asset, const ExchangeOptions
     if (choice == Choice::independent) independent.emplace(options.seed, shapes);
     if (choice == Choice::kolar) kolar.emplace(asset, shapes, options.seed);
 
-    for (std::size_t s = 0; s < shapes.size(); ++s)
-        farthest = std::max({farthest, shapes[s].x + shapes[s].width, shapes[s].y + shapes[s].height});
+    variants.sort([&](const Shown& a, const Shown& b) { return top_of(a) < top_of(b); });
+    for (std::size_t s = 0; s < shapes.size(); ++s) tallest = std::max(tallest, shapes[s].height);
     const auto reach = [&](const Shown& shown, std::int32_t unit_tiles) {
         const Shapes::Shape& shape = shapes[shown.shape];
         const std::int32_t right = shown.tile_x * tile_side + shape.x + shape.width;
@@ -87,24 +87,25 @@ UnitGrid ExchangeLayout::shown_by(std::int64_t x, std::int64_t y, std::int64_t w
         types = tree->types_of(0, x, y, static_cast<std::int32_t>(width), static_cast<std::int32_t>(height));
     for (std::int64_t row = y; row < y + height; ++row)
         for (std::int64_t column = x; column < x + width; ++column) {
-            if (types)
+            if (types) {
                 grid.at(column, row) = variants.of(types->at(column, row));
-            else
-                grid.keep(column, row,
-                          independent ? independent->shown_by(column, row) : kolar->shown_by(column, row));
+                continue;
+            }
+            std::vector<Shown> shown =
+                independent ? independent->shown_by(column, row) : kolar->shown_by(column, row);
+            std::stable_sort(shown.begin(), shown.end(),
+                             [&](const Shown& a, const Shown& b) { return top_of(a) < top_of(b); });
+            grid.keep(column, row, std::move(shown));
         }
     return grid;
 }
 
 std::span<const Shown> ExchangeLayout::rows_of(std::span<const Shown> shown, std::int64_t first,
                                                std::int64_t last) const {
-    if (variants.unit_tiles == 1) return shown;
-    const auto begin = std::partition_point(shown.begin(), shown.end(), [&](const Shown& one) {
-        return std::int64_t{one.tile_y} * tile_side + farthest <= first;
-    });
-    const auto end = std::partition_point(begin, shown.end(), [&](const Shown& one) {
-        return std::int64_t{one.tile_y} * tile_side - shapes.radius() < last;
-    });
+    const auto begin = std::partition_point(shown.begin(), shown.end(),
+                                            [&](const Shown& one) { return top_of(one) + tallest <= first; });
+    const auto end =
+        std::partition_point(begin, shown.end(), [&](const Shown& one) { return top_of(one) < last; });
     return {begin, end};
 }
 
@@ -147,7 +148,7 @@ CompiledExchange::CompiledExchange(std::shared_ptr<const ExchangeLayout> layout,
                     for (std::uint32_t row = 0; row < stamp.rows; ++row) {
                         const Stamps::Span& span = last.spans[stamp.first_span + row];
                         for (std::int32_t i = 0; i < (span.end - span.begin) * 3; ++i)
-                            expectation_[i % 3] += double{last.values[span.offset * 3 + std::size_t(i)]};
+                            expectation_[i % 3] += double{last.row(span)[i]};
                     }
                 }
         for (double& channel : expectation_) channel /= double(sampled_tiles * sampled_tiles);

@@ -42,11 +42,16 @@ struct ExchangeLayout {
     std::int64_t units_after() const noexcept { return choice == Choice::kolar ? 1 : 0; }
     /// How far the shapes of a unit reach over its right or lower border at most, in texels of level 0.
     std::int32_t overhang = 0;
-    /// How far a box ends behind the beginning of its tile at most.
-    std::int32_t farthest = 0;
-    /// Of what a unit shows, sorted by rows of tiles, what may meet its rows of texels [first, last).
+    std::int32_t tallest = 0;  ///< Of all boxes.
+    /// Of what a unit shows what may meet its rows of texels [first, last) of level 0.
     std::span<const Shown> rows_of(std::span<const Shown> shown, std::int64_t first, std::int64_t last) const;
     std::size_t memory_bytes() const noexcept;
+
+  private:
+    /// First row of the box, relative to the unit: the order of lists.
+    std::int64_t top_of(const Shown& one) const noexcept {
+        return std::int64_t{one.tile_y} * tile_side + shapes.box(one.shape).y;
+    }
 };
 
 /// A by-example texture, compiled: exchange_texture.cpp builds it, exchange_pages.cpp evaluates it.

@@ -39,9 +39,8 @@ IndependentSums::IndependentSums(const Shapes& shapes, const Stamps::Level& one_
                 const Stamps::Span& span = one_texel_tiles.spans[stamp.first_span + row];
                 for (std::int32_t x = span.begin; x < span.end; ++x)
                     for (std::int32_t c = 0; c < 3; ++c)
-                        sums.part[(stamp.y + static_cast<std::int32_t>(row)) * 2 + x][c] = double{
-                            one_texel_tiles
-                                .values[(span.offset + std::size_t(x - span.begin)) * 3 + std::size_t(c)]};
+                        sums.part[(stamp.y + static_cast<std::int32_t>(row)) * 2 + x][c] =
+                            double{one_texel_tiles.row(span)[(x - span.begin) * 3 + c]};
             }
             sums_.push_back(sums);
         }

@@ -14,7 +14,8 @@ struct Kernels {
     const char* name;  ///< "x86-64", "avx2", "avx512"
 
     /// Adds rows of a stamp: span i to the row `rgb` + i·stride, its columns moved by `x`, what falls outside
-    /// [0, width) left out. Returns the number of texels added.
+    /// [0, width) left out. May add zero to Stamps::row_floats floats behind a row. Returns the number of
+    /// texels added.
     std::size_t (*add_spans)(const Stamps::Span* spans, std::int32_t count, const float* values,
                              std::int64_t x, std::int32_t width, float* rgb, std::ptrdiff_t stride);
 

@@ -3,7 +3,6 @@
 #include <atomic>
 #include <bit>
 #include <thread>
-#include <tuple>
 
 #include "server/texture/unit_choice.h"
 #include "shared/math/hash.h"
@@ -204,12 +203,7 @@ Variants packed_variants(const ExchangeAsset& asset, const Shapes& shapes, std::
 
     Variants variants;
     variants.unit_tiles = unit_tiles;
-    for (auto& list : lists) {
-        std::stable_sort(list.begin(), list.end(), [](const Shown& a, const Shown& b) {
-            return std::tie(a.tile_y, a.tile_x) < std::tie(b.tile_y, b.tile_x);
-        });
-        variants.add(list);
-    }
+    for (const auto& list : lists) variants.add(list);
     return variants;
 }
 

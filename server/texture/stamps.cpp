@@ -69,9 +69,12 @@ void pack(Box& box, int level, Stamps::Level& out) {
         std::int32_t begin = 0, end = box.width;
         while (begin < end && empty(begin)) ++begin;
         while (begin < end && empty(end - 1)) --end;
-        out.spans.push_back({box.x + begin, box.x + end, static_cast<std::uint32_t>(out.values.size() / 3)});
+        out.spans.push_back(
+            {box.x + begin, box.x + end, static_cast<std::uint32_t>(out.values.size() / Stamps::row_floats)});
         for (std::int32_t i = begin * 3; i < end * 3; ++i)
             out.values.push_back(static_cast<float>(static_cast<double>(row[i]) * scale));
+        out.values.resize((out.values.size() + Stamps::row_floats - 1) / Stamps::row_floats *
+                          Stamps::row_floats);
         ++stamp.rows;
     }
     out.stamps.push_back(stamp);

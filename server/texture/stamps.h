@@ -46,10 +46,14 @@ class TileLevels {
 /// codes that 8-bit stamps cause far away.
 class Stamps {
   public:
+    /// Values of a row are followed by zeros up to a multiple of so many floats, so that rows can be added in
+    /// whole vectors: adding zero changes nothing.
+    static constexpr std::int32_t row_floats = 8;
+
     /// One row of a stamp: columns relative to the tile or unit that the shape lies on.
     struct Span {
         std::int32_t begin = 0, end = 0;
-        std::uint32_t offset = 0;  ///< Texels of the level's values before it.
+        std::uint32_t offset = 0;  ///< Of the level's values before it, in units of row_floats.
     };
     struct Stamp {
         std::int32_t y = 0;  ///< Of the first row.
@@ -57,6 +61,9 @@ class Stamps {
         std::uint32_t first_span = 0;
     };
     struct Level {
+        const float* row(const Span& span) const noexcept {
+            return values.data() + std::size_t{span.offset} * row_floats;
+        }
         std::vector<Stamp> stamps;  ///< By shape.
         std::vector<Span> spans;
         std::vector<float> values;  ///< RGB, linear, 1.0 is white.

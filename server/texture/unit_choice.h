@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -19,7 +20,7 @@ struct Shown {
 };
 
 /// The shapes that each type of unit shows (DESIGN section 2, variants). No two of a list overlap, nor do
-/// they overlap what any other unit beside may show. Sorted by rows of tiles.
+/// they overlap what any other unit beside may show.
 class Variants {
   public:
     /// How many tiles a unit has on a side: 1 for content exchange, where tiles choose for themselves.
@@ -28,6 +29,12 @@ class Variants {
     std::uint32_t types() const noexcept { return static_cast<std::uint32_t>(begin_.size() - 1); }
     std::span<const Shown> of(std::uint32_t type) const noexcept {
         return {shown_.data() + begin_[type], shown_.data() + begin_[type + 1]};
+    }
+    /// Puts every list into the order in which it is looked through.
+    template <class Before>
+    void sort(const Before& before) {
+        for (std::size_t type = 0; type + 1 < begin_.size(); ++type)
+            std::stable_sort(shown_.begin() + begin_[type], shown_.begin() + begin_[type + 1], before);
     }
     void add(std::span<const Shown> shown) {
         shown_.insert(shown_.end(), shown.begin(), shown.end());

@@ -48,7 +48,7 @@ VariantImages::VariantImages(int level, int tile_level, const Stamps& stamps, co
                 const Stamps::Span& span = from.spans[stamp.first_span + row];
                 const auto y = static_cast<std::size_t>(shown.tile_y * tile_side + stamp.y +
                                                         static_cast<std::int32_t>(row));
-                const float* values = from.values.data() + std::size_t{span.offset} * 3;
+                const float* values = from.row(span);
                 if (span.begin == span.end) continue;
                 double* out =
                     image.data() + y * row_floats + std::size_t(shown.tile_x * tile_side + span.begin) * 3;

@@ -68,14 +68,15 @@ TEST(Kernels, BlendAddsTheWeightedDifferenceFromTheTile) {
 }
 
 TEST(Kernels, SpansAreAddedWhereTheyFallInsideTheRow) {
-    const Stamps::Span spans[] = {{-4, 9, 0}, {2, 2, 13}, {3, 8, 13}};
+    const Stamps::Span spans[] = {{-4, 9, 0}, {2, 2, 5}, {3, 8, 5}};
     std::vector<float> values;
-    for (std::int64_t i = 0; i < 18 * 3 + 16; ++i) values.push_back(float(random(i) >> 50) / 1024.0F);
+    for (std::int64_t i = 0; i < 56; ++i)  // rows of 39 and 15 floats, padded to 40 and 16 with zeros
+        values.push_back(i == 39 || i == 55 ? 0.0F : float(random(i) >> 50) / 1024.0F);
     for (std::size_t k = 0; k < available_kernels().count; ++k) {
         const Kernels& kernel = *available_kernels().items[k];
         for (std::int64_t x = -12; x < 12; ++x) {
             constexpr std::int32_t width = 7;
-            std::vector<float> rgb(std::size_t{width} * 3 * 3, 0.25F);
+            std::vector<float> rgb(std::size_t{width} * 3 * 3 + Stamps::row_floats, 0.25F);
             std::size_t expected_count = 0;
             const std::size_t count =
                 kernel.add_spans(spans, 3, values.data(), x, width, rgb.data(), width * 3);
@@ -83,11 +84,12 @@ TEST(Kernels, SpansAreAddedWhereTheyFallInsideTheRow) {
                 for (std::int32_t column = 0; column < width; ++column) {
                     const bool inside = column - x >= spans[row].begin && column - x < spans[row].end;
                     expected_count += inside ? 1 : 0;
-                    const auto from = static_cast<std::size_t>(std::int64_t{spans[row].offset} + column - x -
-                                                               spans[row].begin);
+                    const auto from =
+                        static_cast<std::size_t>(std::int64_t{spans[row].offset} * Stamps::row_floats +
+                                                 (column - x - spans[row].begin) * 3);
                     for (std::size_t c = 0; c < 3; ++c)
                         ASSERT_EQ(rgb[std::size_t(row * width + column) * 3 + c],
-                                  0.25F + (inside ? values[from * 3 + c] : 0.0F))
+                                  0.25F + (inside ? values[from + c] : 0.0F))
                             << kernel.name;
                 }
             EXPECT_EQ(count, expected_count);
