@@ -1,30 +1,21 @@
 import assert from 'node:assert/strict';
-import {after, before, test} from 'node:test';
+import {test} from 'node:test';
 
-import {all_pages_shown, make_scenes, open_browser, open_page, read, start_tessera, wait_for_reading} from './harness.mjs';
+import {all_pages_shown, open_page, read, set_the_stage, wait_for_reading} from './harness.mjs';
 
-let scenes, server, browser;
-before(async () => {
-  scenes = await make_scenes();
-  [server, browser] = await Promise.all([start_tessera(scenes.folder), open_browser()]);
-});
-after(async () => {
-  await browser?.close();
-  await server?.stop();
-  await scenes?.remove();
-});
+const stage = set_the_stage();
 
 const hash_of = (page) => new URL(page.url()).hash;
 
 test('the address follows the view, and brings it back in another window', async () => {
-  const first = await open_page(browser, `${server.origin}/#clay/5/70000000000/90000000000?grid=1`);
+  const first = await open_page(stage.browser, `${stage.server.origin}/#clay/5/70000000000/90000000000?grid=1`);
   await all_pages_shown(first.page);
   await first.page.keyboard.press('Shift+ArrowRight');
   await first.page.keyboard.press('+');
   await first.page.waitForFunction(() => /^#clay\/4\/70000040960\/90000000000\?grid=1$/.test(location.hash));
   await all_pages_shown(first.page);
 
-  const second = await open_page(browser, first.page.url());
+  const second = await open_page(stage.browser, first.page.url());
   await all_pages_shown(second.page);
   for (const name of ['level', 'x', 'y', 'page']) assert.equal(await read(second.page, name), await read(first.page, name), name);
   assert.equal(hash_of(second.page), hash_of(first.page));
@@ -33,7 +24,7 @@ test('the address follows the view, and brings it back in another window', async
 });
 
 test('the mouse moves and zooms, and the texel under the pointer stays where it is', async () => {
-  const {page, close} = await open_page(browser, `${server.origin}/#board/2/1000000/1000000`);
+  const {page, close} = await open_page(stage.browser, `${stage.server.origin}/#board/2/1000000/1000000`);
   await all_pages_shown(page);
   await page.mouse.move(700, 450);
   await page.mouse.down();
@@ -56,7 +47,7 @@ test('the mouse moves and zooms, and the texel under the pointer stays where it 
 });
 
 test('"go to texel" jumps there, and back leads to where one was', async () => {
-  const {page, close} = await open_page(browser, `${server.origin}/#clay/2/5000/5000`);
+  const {page, close} = await open_page(stage.browser, `${stage.server.origin}/#clay/2/5000/5000`);
   await all_pages_shown(page);
   await page.keyboard.press('t');
   await page.keyboard.type('274,877,906,943 12345 0');
@@ -70,7 +61,7 @@ test('"go to texel" jumps there, and back leads to where one was', async () => {
 });
 
 test('"go to texel" says what it cannot make sense of', async () => {
-  const {page, close} = await open_page(browser, `${server.origin}/#board/0/5000/5000`);
+  const {page, close} = await open_page(stage.browser, `${stage.server.origin}/#board/0/5000/5000`);
   await all_pages_shown(page);
   const box = page.getByRole('textbox', {name: 'Go to texel'});
   for (const [text, answer] of [['here', /whole numbers/], ['999999999999, 1', /0 to 268,435,455/], ['1, 1, 21', /0 to 20/]]) {
@@ -84,7 +75,7 @@ test('"go to texel" says what it cannot make sense of', async () => {
 
 test('an address that is hand-edited to nonsense still opens the scene', async () => {
   for (const rest of ['/99/-5/9e99', '/x/y/z', '/-40/7/7', '?accuracy=perfect&format=tiff']) {
-    const {page, complaints, close} = await open_page(browser, `${server.origin}/#board${rest}`);
+    const {page, complaints, close} = await open_page(stage.browser, `${stage.server.origin}/#board${rest}`);
     await page.waitForFunction(() => document.querySelector('.viewer')?.dataset.loading === '0');
     assert.deepEqual(complaints, [], rest);
     await close();
@@ -93,7 +84,7 @@ test('an address that is hand-edited to nonsense still opens the scene', async (
 
 test('zero shows the whole texture between the bars', async () => {
   for (const [width, height] of [[1280, 800], [420, 800]]) {
-    const {page, close} = await open_page(browser, `${server.origin}/#board/0/5000/5000`, {width, height});
+    const {page, close} = await open_page(stage.browser, `${stage.server.origin}/#board/0/5000/5000`, {width, height});
     await all_pages_shown(page);
     await page.keyboard.press('0');
     await page.waitForFunction(() => Number(location.hash.split('/')[1]) > 18);

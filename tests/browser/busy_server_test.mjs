@@ -1,15 +1,11 @@
 // Answers that the real server gives only in a bad hour, from a server that gives them on demand.
 import assert from 'node:assert/strict';
-import {after, before, test} from 'node:test';
+import {test} from 'node:test';
 
-import {all_pages_shown, colours_at, open_browser, open_page, read, wait_for_colour, web_folder} from './harness.mjs';
+import {all_pages_shown, colours_at, open_page, read, set_the_stage, wait_for_colour, web_folder} from './harness.mjs';
 import {start_page_server, tint} from './page_server.mjs';
 
-let browser;
-before(async () => {
-  browser = await open_browser();
-});
-after(() => browser?.close());
+const stage = set_the_stage({with_server: false});
 
 /** Answers wait at it until it opens. */
 function gate() {
@@ -32,7 +28,7 @@ test('a busy server is asked again, but not before it said', async (t) => {
     },
   });
   t.after(server.stop);
-  const {page, close} = await open_page(browser, `${server.origin}/#tints/1/1024/1024`);
+  const {page, close} = await open_page(stage.browser, `${server.origin}/#tints/1/1024/1024`);
   await all_pages_shown(page);
   await wait_for_colour(page, [640, 400], tint(1, 2, 2));
   const in_view = asked_at.get('/scenes/tints/r0-abc/3/2/2.png') ?? [];
@@ -51,7 +47,7 @@ test('pages on screen stay until those of another accuracy are there', async (t)
     },
   });
   t.after(server.stop);
-  const {page, close} = await open_page(browser, `${server.origin}/#tints/1/1024/1024`);
+  const {page, close} = await open_page(stage.browser, `${server.origin}/#tints/1/1024/1024`);
   await all_pages_shown(page);
   await page.getByRole('button', {name: 'View options'}).click();
   await page.getByRole('radio', {name: 'Exact'}).check();
@@ -77,7 +73,7 @@ test('a coarser page stands in for one that has not come', async (t) => {
     },
   });
   t.after(server.stop);
-  const {page, close} = await open_page(browser, `${server.origin}/#tints/1/1024/1024`);
+  const {page, close} = await open_page(stage.browser, `${server.origin}/#tints/1/1024/1024`);
   await all_pages_shown(page);
   await page.keyboard.press('+');
   await page.waitForFunction(() => document.querySelector('[data-read="level"]')?.textContent === '0');
@@ -101,7 +97,7 @@ test('a page that has left the view is waited for no longer', async (t) => {
     },
   });
   t.after(server.stop);
-  const {page, close} = await open_page(browser, `${server.origin}/#tints/0/5120/5120`);
+  const {page, close} = await open_page(stage.browser, `${server.origin}/#tints/0/5120/5120`);
   await page.waitForFunction(() => Number(document.querySelector('.viewer')?.dataset.loading) > 3);
   await page.keyboard.press('t');
   await page.keyboard.type('500000 500000');
@@ -123,7 +119,7 @@ test('a page that fails is told of, and comes when it is asked for again', async
     },
   });
   t.after(server.stop);
-  const {page, close} = await open_page(browser, `${server.origin}/#tints/1/1100/1100`);
+  const {page, close} = await open_page(stage.browser, `${server.origin}/#tints/1/1100/1100`);
   await page.getByRole('button', {name: '1 failed: retry'}).waitFor();
   assert.equal(await read(page, 'state'), 'failed');
   assert.equal(await read(page, 'facts'), 'the page is out of its mind');

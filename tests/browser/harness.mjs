@@ -8,6 +8,7 @@ import {createRequire} from 'node:module';
 import {tmpdir} from 'node:os';
 import path from 'node:path';
 import {createInterface} from 'node:readline';
+import {after, before} from 'node:test';
 
 /** @param {string} name */
 function from_environment(name) {
@@ -71,6 +72,25 @@ const flags = [
 
 /** Chromium, with a profile of its own. */
 export const open_browser = () => chromium.launch({executablePath: from_environment('CHROMIUM'), args: flags});
+
+/**
+ * What the tests of a file share, there before the first and gone after the last: a browser, a folder of scenes, and a
+ * server of them unless each test starts its own.
+ * @returns {{browser: any, scenes: any, server: any}}
+ */
+export function set_the_stage({with_server = true} = {}) {
+  const stage = {browser: null, scenes: null, server: null};
+  before(async () => {
+    stage.scenes = await make_scenes();
+    [stage.browser, stage.server] = await Promise.all([open_browser(), with_server ? start_tessera(stage.scenes.folder) : null]);
+  });
+  after(async () => {
+    await stage.browser?.close();
+    await stage.server?.stop();
+    await stage.scenes?.remove();
+  });
+  return stage;
+}
 
 /**
  * A page that holds whatever went wrong on it: messages of the console, and requests to other hosts.

@@ -1,21 +1,12 @@
 import assert from 'node:assert/strict';
-import {after, before, test} from 'node:test';
+import {test} from 'node:test';
 
-import {clay, make_scenes, open_browser, open_page, start_tessera, wait_for_colour} from './harness.mjs';
+import {clay, open_page, set_the_stage, wait_for_colour} from './harness.mjs';
 
-let scenes, server, browser;
-before(async () => {
-  scenes = await make_scenes();
-  [server, browser] = await Promise.all([start_tessera(scenes.folder), open_browser()]);
-});
-after(async () => {
-  await browser?.close();
-  await server?.stop();
-  await scenes?.remove();
-});
+const stage = set_the_stage();
 
 test('lists every scene with its kind, extent and attribution, and asks no other host', async () => {
-  const {page, complaints, close} = await open_page(browser, server.origin);
+  const {page, complaints, close} = await open_page(stage.browser, stage.server.origin);
   await page.waitForSelector('.card');
   assert.equal(await page.locator('.card').count(), 3);
   const clay_card = await page.locator('.card', {hasText: 'Fired clay'}).innerText();
@@ -29,7 +20,7 @@ test('lists every scene with its kind, extent and attribution, and asks no other
 });
 
 test('shows live texels of a scene on its card', async () => {
-  const {page, close} = await open_page(browser, server.origin);
+  const {page, close} = await open_page(stage.browser, stage.server.origin);
   const thumbnail = page.locator('.card', {hasText: 'Fired clay'}).locator('canvas.drawn');
   await thumbnail.waitFor();
   const {x, y, width, height} = await thumbnail.boundingBox();
@@ -39,7 +30,7 @@ test('shows live texels of a scene on its card', async () => {
 });
 
 test('shows a broken scene with what is wrong with it', async () => {
-  const {page, close} = await open_page(browser, server.origin);
+  const {page, close} = await open_page(stage.browser, stage.server.origin);
   const broken = page.locator('.broken li');
   await broken.waitFor();
   assert.equal(await broken.count(), 1);
@@ -49,7 +40,7 @@ test('shows a broken scene with what is wrong with it', async () => {
 });
 
 test('opens a scene from its card by keyboard, and goes back to the list', async () => {
-  const {page, complaints, close} = await open_page(browser, server.origin);
+  const {page, complaints, close} = await open_page(stage.browser, stage.server.origin);
   await page.locator('.card a', {hasText: 'Draughts board'}).focus();
   await page.keyboard.press('Enter');
   await page.waitForSelector('.viewer');
@@ -62,7 +53,7 @@ test('opens a scene from its card by keyboard, and goes back to the list', async
 });
 
 test('says that a scene is unknown, and leads back to the list', async () => {
-  const {page, close} = await open_page(browser, `${server.origin}/#marble/3/10/10`);
+  const {page, close} = await open_page(stage.browser, `${stage.server.origin}/#marble/3/10/10`);
   await page.getByRole('heading', {name: 'There is no scene called “marble”'}).waitFor();
   await page.getByRole('button', {name: 'All scenes'}).click();
   await page.waitForSelector('.card');
@@ -70,7 +61,7 @@ test('says that a scene is unknown, and leads back to the list', async () => {
 });
 
 test('opens a scene of no more than four pages', async () => {
-  const {page, complaints, close} = await open_page(browser, server.origin);
+  const {page, complaints, close} = await open_page(stage.browser, stage.server.origin);
   await page.locator('.card a', {hasText: 'Four pages'}).click();
   await page.waitForSelector('.viewer[data-loading="0"]');
   assert.equal(new URL(page.url()).hash, '#four-pages/1/256/256');

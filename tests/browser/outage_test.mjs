@@ -1,21 +1,16 @@
 import assert from 'node:assert/strict';
-import {after, before, test} from 'node:test';
+import {test} from 'node:test';
 
-import {all_pages_shown, clay, make_scenes, open_browser, open_page, start_tessera, wait_for_colour, wait_for_reading} from './harness.mjs';
+import {
+  all_pages_shown, clay, open_page, set_the_stage, start_tessera, wait_for_colour, wait_for_reading,
+} from './harness.mjs';
 
-let scenes, browser;
-before(async () => {
-  [scenes, browser] = await Promise.all([make_scenes(), open_browser()]);
-});
-after(async () => {
-  await browser?.close();
-  await scenes?.remove();
-});
+const stage = set_the_stage({with_server: false});
 
 test('a server that stops is told of, and its pages come as soon as it is back', async (t) => {
-  let server = await start_tessera(scenes.folder);
+  let server = await start_tessera(stage.scenes.folder);
   t.after(() => server.stop());
-  const {page, close} = await open_page(browser, `${server.origin}/#clay/4/60000000/60000000`);
+  const {page, close} = await open_page(stage.browser, `${server.origin}/#clay/4/60000000/60000000`);
   await all_pages_shown(page);
 
   await server.stop();
@@ -26,7 +21,7 @@ test('a server that stops is told of, and its pages come as soon as it is back',
   await banner.waitFor();
   await page.getByRole('button', {name: 'Try now'}).waitFor();
 
-  server = await start_tessera(scenes.folder, server.port);
+  server = await start_tessera(stage.scenes.folder, server.port);
   await banner.waitFor({state: 'hidden'});
   await wait_for_reading(page, 'x', '90,000,000');
   await all_pages_shown(page);
@@ -35,26 +30,26 @@ test('a server that stops is told of, and its pages come as soon as it is back',
 });
 
 test('the list waits for a server that is away, and shows its scenes by itself when it is back', async (t) => {
-  let server = await start_tessera(scenes.folder);
+  let server = await start_tessera(stage.scenes.folder);
   t.after(() => server.stop());
-  const {page, close} = await open_page(browser, `${server.origin}/#clay/4/60000000/60000000`);
+  const {page, close} = await open_page(stage.browser, `${server.origin}/#clay/4/60000000/60000000`);
   await all_pages_shown(page);
   await server.stop();
   await page.keyboard.press('l');
   await page.getByRole('heading', {name: 'The server is not answering'}).waitFor();
-  server = await start_tessera(scenes.folder, server.port);
+  server = await start_tessera(stage.scenes.folder, server.port);
   await page.waitForSelector('.card', {timeout: 20000});
   await close();
 });
 
 test('a scene that the server loads anew is shown anew, as soon as a page is asked for', async (t) => {
-  const server = await start_tessera(scenes.folder);
+  const server = await start_tessera(stage.scenes.folder);
   t.after(() => server.stop());
-  const {page, close} = await open_page(browser, `${server.origin}/#clay/4/60000000/60000000`);
+  const {page, close} = await open_page(stage.browser, `${server.origin}/#clay/4/60000000/60000000`);
   await all_pages_shown(page);
   const slate = [70, 84, 92];
-  await scenes.paint_clay(slate);
-  t.after(() => scenes.paint_clay(clay));
+  await stage.scenes.paint_clay(slate);
+  t.after(() => stage.scenes.paint_clay(clay));
   const fingerprint = async () => (await (await fetch(`${server.origin}/scenes/clay`)).json()).tessera.fingerprint;
   const before_reload = await fingerprint();
   server.reload_scenes();

@@ -1,28 +1,18 @@
 import assert from 'node:assert/strict';
-import {after, before, test} from 'node:test';
+import {test} from 'node:test';
 
 import {
-  all_pages_shown, clay, colours_at, make_scenes, open_browser, open_page, read, square_at, start_tessera, wait_for_colour,
-  wait_for_reading,
+  all_pages_shown, clay, colours_at, open_page, read, set_the_stage, square_at, wait_for_colour, wait_for_reading,
 } from './harness.mjs';
 
 // In a window of 1280 × 800 the texel the address names has its top-left corner in the middle: pixel (640, 400).
 const middle = [640, 400];
 
-let scenes, server, browser;
-before(async () => {
-  scenes = await make_scenes();
-  [server, browser] = await Promise.all([start_tessera(scenes.folder), open_browser()]);
-});
-after(async () => {
-  await browser?.close();
-  await server?.stop();
-  await scenes?.remove();
-});
+const stage = set_the_stage();
 
 test('shows the texel that the address names, texel for pixel, at level 0', async () => {
   const [x, y] = [2 ** 27 + 1000 * 32 + 7, 2 ** 26 + 77 * 32 + 19];
-  const {page, complaints, close} = await open_page(browser, `${server.origin}/#board/0/${x}/${y}`);
+  const {page, complaints, close} = await open_page(stage.browser, `${stage.server.origin}/#board/0/${x}/${y}`);
   await all_pages_shown(page);
   const offsets = [[0, 0], [-8, 0], [-7, 0], [24, 12], [25, 12], [24, 13], [25, 13], [-300, 140], [299, -171]];
   const colours = await colours_at(page, offsets.map(([dx, dy]) => [middle[0] + dx, middle[1] + dy]));
@@ -33,7 +23,7 @@ test('shows the texel that the address names, texel for pixel, at level 0', asyn
 
 test('magnifies texels crisply beyond level 0, and smoothly when asked', async () => {
   const [x, y] = [2 ** 20 + 64, 2 ** 20 + 64]; // a corner of four squares; a texel is 16 pixels
-  const {page, close} = await open_page(browser, `${server.origin}/#board/-4/${x}/${y}`);
+  const {page, close} = await open_page(stage.browser, `${stage.server.origin}/#board/-4/${x}/${y}`);
   await all_pages_shown(page);
   const beside = [[639, 404], [640, 404]];
   assert.deepEqual(await colours_at(page, beside), [square_at(x - 1, y), square_at(x, y)]);
@@ -46,7 +36,7 @@ test('magnifies texels crisply beyond level 0, and smoothly when asked', async (
 });
 
 test('zooms through every level from 0 to 30, and shows the right colour at each', async () => {
-  const {page, complaints, close} = await open_page(browser, `${server.origin}/#clay/0/137438953472/137438953472`, {width: 640, height: 480});
+  const {page, complaints, close} = await open_page(stage.browser, `${stage.server.origin}/#clay/0/137438953472/137438953472`, {width: 640, height: 480});
   for (let level = 0; level <= 30; ++level) {
     await wait_for_reading(page, 'level', String(level));
     await all_pages_shown(page);
@@ -62,7 +52,7 @@ test('zooms through every level from 0 to 30, and shows the right colour at each
 
 test('reads out texel, page and what the server says of the page', async () => {
   const last = 2 ** 38 - 1;
-  const {page, close} = await open_page(browser, `${server.origin}/#clay/0/${last}/${last}`);
+  const {page, close} = await open_page(stage.browser, `${stage.server.origin}/#clay/0/${last}/${last}`);
   await all_pages_shown(page);
   assert.equal(await read(page, 'x'), '274,877,906,943');
   assert.equal(await read(page, 'y'), '274,877,906,943');
@@ -81,7 +71,7 @@ test('reads out texel, page and what the server says of the page', async () => {
 });
 
 test('draws the borders and keys of pages when asked', async () => {
-  const {page, close} = await open_page(browser, `${server.origin}/#clay/0/${256 * 1000}/${256 * 1000}`);
+  const {page, close} = await open_page(stage.browser, `${stage.server.origin}/#clay/0/${256 * 1000}/${256 * 1000}`);
   await all_pages_shown(page);
   const [on_border, inside] = [[640, 500], [760, 500]];
   assert.deepEqual(await colours_at(page, [on_border, inside]), [clay, clay]);
@@ -96,7 +86,7 @@ test('draws the borders and keys of pages when asked', async () => {
 });
 
 test('keeps the key of a page that begins behind the top bar below the bar', async () => {
-  const {page, close} = await open_page(browser, `${server.origin}/#clay/0/${256 * 1000 + 140}/${256 * 1000 + 370}?grid=1`);
+  const {page, close} = await open_page(stage.browser, `${stage.server.origin}/#clay/0/${256 * 1000 + 140}/${256 * 1000 + 370}?grid=1`);
   await all_pages_shown(page);
   const bar = await page.locator('.top-bar').boundingBox();
   assert.ok(bar.y + bar.height > middle[1] - 370, 'the page begins behind the bar');
@@ -105,7 +95,7 @@ test('keeps the key of a page that begins behind the top bar below the bar', asy
 });
 
 test('asks for the format and accuracy that are chosen', async () => {
-  const {page, complaints, close} = await open_page(browser, `${server.origin}/#board/3/131072/131072`);
+  const {page, complaints, close} = await open_page(stage.browser, `${stage.server.origin}/#board/3/131072/131072`);
   await all_pages_shown(page);
   await page.getByRole('button', {name: 'View options'}).click();
   await page.getByRole('radio', {name: 'WebP'}).check();
@@ -119,7 +109,7 @@ test('asks for the format and accuracy that are chosen', async () => {
 });
 
 test('explains its keys, and closes the help again', async () => {
-  const {page, close} = await open_page(browser, `${server.origin}/#board/0/0/0`);
+  const {page, close} = await open_page(stage.browser, `${stage.server.origin}/#board/0/0/0`);
   await page.waitForSelector('.viewer');
   await page.keyboard.press('h');
   await page.getByRole('dialog', {name: 'Getting around'}).waitFor();

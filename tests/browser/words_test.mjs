@@ -51,6 +51,10 @@ test('a page is asked for where TileJSON says', () => {
   const page = texture.page_at({x: 2 ** 28 - 1, y: 0}, 3);
   assert.deepEqual(page, {level: 3, x: 2 ** 17 - 1, y: 0});
   assert.equal(texture.page_url(page, {format: 'webp', accuracy: 'fast'}), '/scenes/s/r0-12ab/17/131071/0.webp?accuracy=fast');
+  const normals = texture.page_url(page, {format: 'png', accuracy: 'exact', channels: 'normal'});
+  assert.equal(normals, '/scenes/s/r0-12ab/17/131071/0.png?accuracy=exact&channels=normal');
+  assert.equal(texture.page_url(page, {format: 'png', accuracy: 'high', channels: 'height'}), '/scenes/s/r0-12ab/17/131071/0.png?channels=height');
+  assert.equal(texture.page_url(page, {format: 'png', accuracy: 'high', channels: 'albedo'}), '/scenes/s/r0-12ab/17/131071/0.png');
   const plain = new Texture({tiles: ['http://127.0.0.1:1/scenes/s/{z}/{x}/{y}.png'], maxzoom: 2, tessera: {id: 's'}});
   assert.equal(plain.page_url({level: 2, x: 0, y: 0}, {format: 'jpg', accuracy: 'high'}), '/scenes/s/0/0/0.jpg');
 });

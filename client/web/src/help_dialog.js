@@ -7,6 +7,7 @@ const shortcuts = [
   ['Go to a texel', ['T'], ''],
   ['Page grid', ['G'], 'borders, keys and state of every page'],
   ['Crisp or smooth', ['S'], 'when a texel is larger than a pixel'],
+  ['Next channels', ['M'], 'normals, roughness … if the scene has them; with Shift: back'],
   ['Full screen', ['F'], ''],
   ['Copy a link to this view', ['C'], ''],
   ['List of scenes', ['L'], ''],

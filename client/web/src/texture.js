@@ -1,3 +1,5 @@
+import {usual_channels} from './channels.js';
+
 /** A page is 256×256 texels of one level. */
 export const page_side = 256;
 
@@ -14,6 +16,8 @@ const kind_names = {
   constant: 'Constant colour',
   checker: 'Checker',
   content_exchange: 'Content exchange',
+  interchange: 'Interchangeable patches',
+  wang: 'Corner-coloured tiles',
 };
 
 /** @param {string} kind As the server names it. */
@@ -37,21 +41,26 @@ export class Texture {
     this.side_texels = page_side * 2 ** this.coarsest_level;
     /** @type {string[]} */
     this.formats = info.formats ?? ['png'];
+    /** @type {string[]} What pages can show of the surface. */
+    this.channels = info.channels?.length ? info.channels : [usual_channels];
     /** Template of a page's path, with {z}, {x}, {y} and no extension; changes when the texture does. */
     this.page_template = info.page_url || path_of(tilejson.tiles?.[0] ?? `/scenes/${info.id}/{z}/{x}/{y}.png`);
   }
 
   /**
    * @param {PageKey} page
-   * @param {{format: string, accuracy: string}} options
-   * @returns {string} The page's path; `high` is the server's own default and stays unsaid.
+   * @param {{format: string, accuracy: string, channels?: string}} options
+   * @returns {string} The page's path; the server's own defaults stay unsaid.
    */
-  page_url({level, x, y}, {format, accuracy}) {
+  page_url({level, x, y}, {format, accuracy, channels = usual_channels}) {
     const path = this.page_template
       .replace('{z}', String(this.z_of(level)))
       .replace('{x}', String(x))
       .replace('{y}', String(y));
-    return `${path}.${format}${accuracy === 'high' ? '' : `?accuracy=${accuracy}`}`;
+    // In the order in which the server writes them: another one would be redirected
+    const asked = [accuracy !== 'high' && `accuracy=${accuracy}`, channels !== usual_channels && `channels=${channels}`];
+    const query = asked.filter(Boolean).join('&');
+    return `${path}.${format}${query && `?${query}`}`;
   }
 
   /** The zoom of a level in addresses: 0 is the coarsest. @param {number} level */

@@ -4,6 +4,7 @@ import {defaults as default_interactions} from 'ol/interaction/defaults.js';
 import TileLayer from 'ol/layer/Tile.js';
 
 import {format_address} from './address.js';
+import {channel_name, channels_chosen, ChannelSelector, usual_channels} from './channels.js';
 import {element, icon, icon_button, mark} from './dom.js';
 import {go_to_box} from './go_to.js';
 import {listen_to_keys} from './keyboard.js';
@@ -46,6 +47,7 @@ export class Viewer {
     this.texture = texture;
     this.page = page;
     this.options = chosen(address.options);
+    this.channels = channels_chosen(address.options.channels, texture.channels);
     this.#source = new PageSource(texture, this.#ledger, this.#request(), page.stale);
     this.#grid = new PageGridLayer(texture, this.#ledger, (resolution) => this.#level_shown(resolution), () => this.#free_box().top);
     this.#grid.shown = address.options.grid === '1';
@@ -72,6 +74,7 @@ export class Viewer {
   /** Takes over the view and options of an address of this texture. @param {import('./address.js').Address} address */
   show({view, options}) {
     for (const [name, value] of Object.entries(chosen(options))) this.#set_option(name, value);
+    this.#set_channels(channels_chosen(options.channels, this.texture.channels));
     this.#set_grid(options.grid === '1');
     const middle = this.texture.side_texels / 2;
     const {level, x, y} = view ?? {level: Math.min(1, this.texture.coarsest_level), x: middle, y: middle};
@@ -86,6 +89,8 @@ export class Viewer {
   refresh(texture) {
     this.texture = texture;
     this.#source.set_texture(texture);
+    this.#set_channels(channels_chosen(this.channels, texture.channels));
+    this.selector.offer(texture.channels, this.channels);
   }
 
   get #view() {
@@ -94,7 +99,7 @@ export class Viewer {
 
   #request() {
     const {format, accuracy, texels} = this.options;
-    return {format, accuracy, smooth: texels === 'smooth'};
+    return {format, accuracy, channels: this.channels, smooth: texels === 'smooth'};
   }
 
   #level_shown(/** @type {number} */ resolution) {
@@ -155,6 +160,8 @@ export class Viewer {
       this.#set_option(name, value);
       this.page.moved(this.#hash(), false);
     });
+    this.selector = new ChannelSelector((set) => this.#choose_channels(set));
+    this.selector.offer(texture.channels, this.channels);
     this.grid_button = icon_button('Page grid (G)', 'grid', () => this.#toggle_grid(), {'aria-pressed': 'false'});
     const side = with_separators(texture.side_texels);
     this.element = element(
@@ -176,6 +183,7 @@ export class Viewer {
             element('p', {text: [kind_name(texture.kind), `${side}² texels`].filter(Boolean).join(' · ')}),
           ),
         ),
+        this.selector.element,
         element(
           'div',
           {class: 'panel tools', role: 'toolbar', 'aria-label': 'Tools'},
@@ -227,6 +235,7 @@ export class Viewer {
         h: this.page.help,
         '?': this.page.help,
         l: this.page.leave,
+        m: ({shiftKey}) => this.#next_channels(shiftKey ? -1 : 1),
         s: () => {
           this.#set_option('texels', this.options.texels === 'crisp' ? 'smooth' : 'crisp');
           this.page.moved(this.#hash(), false);
@@ -268,6 +277,7 @@ export class Viewer {
   #hash() {
     const [x, y] = this.#view.getCenter() ?? [0, 0];
     const options = Object.fromEntries(Object.entries(this.options).filter(([name, value]) => value !== choices[name].default));
+    if (this.channels !== usual_channels) options.channels = this.channels;
     if (this.#grid.shown) options.grid = '1';
     return format_address({
       scene: this.texture.id,
@@ -284,6 +294,29 @@ export class Viewer {
     if (name === 'texels') this.#source.set_smooth(value === 'smooth');
     else this.#source.set_request(this.#request());
     this.#map.render();
+  }
+
+  /** @param {string} set That the texture has. */
+  #set_channels(set) {
+    if (this.channels === set) return;
+    this.channels = set;
+    this.selector.check(set);
+    this.#source.set_request(this.#request());
+    this.#map.render();
+  }
+
+  /** @param {string} set */
+  #choose_channels(set) {
+    this.#set_channels(set);
+    this.page.moved(this.#hash(), false);
+  }
+
+  /** @param {number} steps Along the sets that the texture has, round and round. */
+  #next_channels(steps) {
+    const sets = this.texture.channels;
+    if (sets.length < 2) return this.page.say('This scene has its colour alone');
+    this.#choose_channels(sets[(sets.indexOf(this.channels) + steps + sets.length) % sets.length]);
+    this.page.say(`Channels: ${channel_name(this.channels).toLowerCase()}`);
   }
 
   #retry() {
