@@ -1,4 +1,8 @@
 // One command, `tessera`: each room adds the subcommands it answers for.
+#include <cstdio>
+#include <exception>
+#include <new>
+
 #include <CLI/CLI.hpp>
 
 #include "server/bake/commands.h"
@@ -23,6 +27,12 @@ int main(int argc, char** argv) {
     } catch (const CLI::ParseError& wrong) {
         // Help and version end here too; what is wrong is said in the parser's words
         return app.exit(wrong) == 0 ? 0 : 2;
+    } catch (const std::bad_alloc&) {
+        std::fputs("tessera: there is not enough memory; take a smaller image or texture\n", stderr);
+        return 1;
+    } catch (const std::exception& failed) {
+        std::fprintf(stderr, "tessera: %s\n", failed.what());
+        return 1;
     }
     return exit_code;
 }

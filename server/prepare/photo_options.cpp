@@ -30,7 +30,7 @@ CLI::Option* add_method_option(CLI::App& command, ExchangeMethod& method) {
 void add_megapixels_option(CLI::App& command, std::int64_t& megapixels) {
     command
         .add_option("--max-megapixels", megapixels,
-                    "Larger images are refused, since preparing takes some 60 bytes of memory for each texel")
+                    "Larger images are refused, since preparing takes some 40 bytes of memory for each texel")
         ->check(CLI::Range(1, 128))
         ->capture_default_str();
 }

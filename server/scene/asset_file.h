@@ -19,8 +19,8 @@ std::string_view method_name(ExchangeMethod method);
 /// can be told. 0, and −1 of blend_texels: the method's own.
 struct Preparation {
     ExchangeMethod method = ExchangeMethod::content_exchange;  ///< The asset's.
-    std::uint32_t version = 0;  ///< Of the way of preparing; 0: not known.
-    std::string photo;          ///< photo_id(); empty: not known.
+    std::uint32_t version = 0;                                 ///< Of the way of preparing; 0: not known.
+    std::string photo;                                         ///< photo_id(); empty: not known.
     std::uint64_t seed = 0;
     std::int32_t tile_side = 0, patches = 0, contents = 0, colors = 0, blend_texels = -1;
     bool painted_patch_map = false;  ///< The patch map is a person's.
@@ -49,17 +49,19 @@ Result<void> write_exchange_asset(const std::filesystem::path& folder, const Exc
 /// What a person says of a content, by the numbers that reports show.
 struct StandingChange {
     std::uint64_t patch = 0;
-    std::optional<std::uint64_t> content;  ///< From 1 on in the order listed; 0 is the tile's own. Unset: all.
+    std::optional<std::uint64_t>
+        content;  ///< From 1 on in the order listed; 0 is the tile's own. Unset: all.
     ExchangeAsset::Standing standing = ExchangeAsset::Standing::chosen;
 };
 
-/// Changes `asset`, which was read from `folder`. Error: invalid_input (a number out of range, an asset that would be
-/// none afterwards), which names file, number and fix.
+/// Changes `asset`, which was read from `folder`. Error: invalid_input (a number out of range, an asset that
+/// would be none afterwards), which names file, number and fix.
 Result<void> apply_standings(ExchangeAsset& asset, const std::filesystem::path& folder,
                              const std::vector<StandingChange>& changes);
 
-/// Writes them into the folder's asset.json and changes nothing else; all of them, or none. Errors: as above, and
-/// io_failure.
-Result<void> change_standings(const std::filesystem::path& folder, const std::vector<StandingChange>& changes);
+/// Writes them into the folder's asset.json and changes nothing else; all of them, or none. Errors: as above,
+/// and io_failure.
+Result<void> change_standings(const std::filesystem::path& folder,
+                              const std::vector<StandingChange>& changes);
 
 }  // namespace tessera

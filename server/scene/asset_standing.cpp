@@ -46,7 +46,8 @@ Result<void> replace_file(const fs::path& file, const std::string& text) {
 
 }  // namespace
 
-Result<void> apply_standings(ExchangeAsset& asset, const fs::path& folder, const std::vector<StandingChange>& changes) {
+Result<void> apply_standings(ExchangeAsset& asset, const fs::path& folder,
+                             const std::vector<StandingChange>& changes) {
     const fs::path json = folder / "asset.json";
     for (const StandingChange& change : changes) {
         if (change.patch >= asset.patches.size())
@@ -62,11 +63,13 @@ Result<void> apply_standings(ExchangeAsset& asset, const fs::path& folder, const
             return invalid(json, "content 0 of patch " + std::to_string(change.patch) +
                                      " is the tile's own, which is always there; name another");
         if (number > contents.size())
-            return invalid(json, "patch " + std::to_string(change.patch) + " has no content " + std::to_string(number) +
-                                     "; it has " + std::to_string(contents.size()) + ", counted from 1");
+            return invalid(json, "patch " + std::to_string(change.patch) + " has no content " +
+                                     std::to_string(number) + "; it has " + std::to_string(contents.size()) +
+                                     ", counted from 1");
         contents[number - 1].standing = change.standing;
     }
-    return check_exchange_asset(asset, {.json = json, .exemplar = {}, .tile = {}, .patches = {}, .shapes = {}});
+    return check_exchange_asset(asset,
+                                {.json = json, .exemplar = {}, .tile = {}, .patches = {}, .shapes = {}});
 }
 
 Result<void> change_standings(const fs::path& folder, const std::vector<StandingChange>& changes) {

@@ -188,18 +188,17 @@ Result<void> write_exchange_asset(const fs::path& target, const ExchangeAsset& a
                                   const Preparation& preparation) {
     if (auto may = check_asset_target(target); !may) return may;
     const fs::path folder = without_slash(target);
+    fs::path unfinished = folder;
+    unfinished.replace_filename(std::string{"."} + folder.filename().string());
+    unfinished += ".partial-" + std::to_string(::getpid());
+    const RemovedAtEnd made{unfinished};
     std::error_code failure;
-    fs::path made = folder;
-    made.replace_filename(std::string{"."} + folder.filename().string());
-    made += ".partial-" + std::to_string(::getpid());
-    fs::remove_all(made, failure);
-    if (!fs::create_directory(made, failure))
-        return Error{ErrorCode::io_failure, made.string() + ": " + failure.message()};
-    Result<void> done = write_parts(made, asset, preparation);
-    if (done) done = move_into_place(made, folder);
-    fs::remove_all(made, failure);
-    if (done) done = sync_folder(folder.parent_path());
-    return done;
+    fs::remove_all(made.folder, failure);
+    if (!fs::create_directory(made.folder, failure))
+        return Error{ErrorCode::io_failure, made.folder.string() + ": " + failure.message()};
+    if (auto done = write_parts(made.folder, asset, preparation); !done) return done;
+    if (auto done = move_into_place(made.folder, folder); !done) return done;
+    return sync_folder(folder.parent_path());
 }
 
 }  // namespace tessera

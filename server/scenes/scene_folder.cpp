@@ -94,12 +94,12 @@ Result<void> write_scene_folder(const fs::path& folder, const proto::Scene& scen
                      folder.string() + ": is there and is no scene; choose another folder with -o"};
 
     const fs::path target = fs::absolute(folder, failure).lexically_normal();
-    const auto made = make_unfinished_folder(target);
-    if (!made) return made.error();
-    Result<void> done = fill(*made, scene, asset);
-    if (done) done = move_into_place(*made, target);
-    fs::remove_all(*made, failure);
-    return done ? sync_folder(target.parent_path()) : done;
+    const auto unfinished = make_unfinished_folder(target);
+    if (!unfinished) return unfinished.error();
+    const RemovedAtEnd made{*unfinished};
+    if (auto done = fill(made.folder, scene, asset); !done) return done;
+    if (auto done = move_into_place(made.folder, target); !done) return done;
+    return sync_folder(target.parent_path());
 }
 
 bool holds_valid_scene(const fs::path& folder) {

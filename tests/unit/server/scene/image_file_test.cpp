@@ -2,10 +2,12 @@
 
 #include <fstream>
 #include <functional>
+#include <memory>
 
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <turbojpeg.h>
 
 #include "server/scene/png_file.h"
 #include "shared/math/hash.h"
@@ -174,8 +176,6 @@ TEST_F(ImageFile, opaque_alpha_is_dropped_and_transparency_refused) {
     expect_refused(at("clear-grey.png"), ErrorCode::invalid_input, "transparent texels; fill them");
 }
 
-/// A JPEG in the colours of a printer, as layout programs save it. OIIO writes none, so libjpeg's own words
-/// are kept.
 TEST_F(ImageFile, a_printers_colours_are_refused) {
     const std::vector<std::uint8_t> cmyk(4 * 16 * 16, 40);
     write_foreign(at("cmyk.tif"), 16, 16, 4, OIIO::TypeDesc::UINT8, cmyk.data(), [](OIIO::ImageSpec& spec) {
@@ -183,7 +183,17 @@ TEST_F(ImageFile, a_printers_colours_are_refused) {
         spec.channelnames = {"C", "M", "Y", "K"};
         spec.alpha_channel = -1;
     });
-    expect_refused(at("cmyk.tif"), ErrorCode::invalid_input, "the colours of a printer; save it as RGB");
+    // OIIO writes no such JPEG; layout programs do
+    const std::unique_ptr<void, int (*)(void*)> compressor{tjInitCompress(), tjDestroy};
+    unsigned char* jpeg = nullptr;
+    unsigned long bytes = 0;
+    ASSERT_EQ(
+        tjCompress2(compressor.get(), cmyk.data(), 16, 0, 16, TJPF_CMYK, &jpeg, &bytes, TJSAMP_444, 90, 0),
+        0);
+    write_bytes(at("cmyk.jpg"), {reinterpret_cast<const char*>(jpeg), bytes});
+    tjFree(jpeg);
+    for (const char* name : {"cmyk.tif", "cmyk.jpg"})
+        expect_refused(at(name), ErrorCode::invalid_input, "the colours of a printer; save it as RGB");
 }
 
 TEST_F(ImageFile, stands_as_its_orientation_says) {
