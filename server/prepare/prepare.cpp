@@ -12,7 +12,7 @@ Result<PreparedAsset> prepare_exchange(const Rgb8Image& photo, const PrepareOpti
         case ExchangeMethod::wang:
             break;
     }
-    return Error{ErrorCode::invalid_input, "--method: wang cannot be prepared"};
+    return prepare_wang(photo, options, before, progress);
 }
 
 }  // namespace tessera
