@@ -47,7 +47,22 @@ TypeGrid TypedQuadtree::types_of(int height, std::int64_t x, std::int64_t y, std
             grid.types.push_back(static_cast<std::uint16_t>(uniform_below(
                 hash(seed_, stream("typed quadtree roots"), grid.x + column, grid.y + row), types_)));
 
-    for (int at_height = root_height; at_height > height; --at_height) {
+    int at_height = root_height;
+    if (grid.types.size() == 1) {
+        // One path as long as one node holds all: most of the way, and for one texel all of it
+        std::uint16_t type = grid.types.front();
+        for (; at_height > height; --at_height) {
+            const int up = at_height - 1 - height;
+            const std::int64_t node_x = x >> up, node_y = y >> up;
+            if (node_x != (x + width - 1) >> up || node_y != (y + height_nodes - 1) >> up) break;
+            type = children(at_height, type)[static_cast<std::size_t>((node_x & 1) | (node_y & 1) << 1)];
+        }
+        const int up = at_height - height;
+        grid.x = x >> up;
+        grid.y = y >> up;
+        grid.types.front() = type;
+    }
+    for (; at_height > height; --at_height) {
         // Keep the parents of what is needed below, and write whole families: a node more on a side does no
         // harm
         const int up = at_height - 1 - height;
