@@ -47,6 +47,16 @@ Result<SceneInfo> parse_scene_info(std::string_view json, std::string_view where
     return info;
 }
 
+Result<void> check_channels(const SceneInfo& scene, ChannelSet channels) {
+    std::string there_are;
+    for (const std::string& name : scene.channels) {
+        if (name == name_of(channels)) return {};
+        there_are += (there_are.empty() ? "" : ", ") + name;
+    }
+    return Error{ErrorCode::invalid_input, "--channels: scene " + scene.id + " has no \"" +
+                                               std::string{name_of(channels)} + "\"; it has " + there_are};
+}
+
 namespace {
 
 /// " Its scenes: a, b." or what went wrong with asking.

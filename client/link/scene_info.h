@@ -9,6 +9,7 @@
 #include <boost/asio/awaitable.hpp>
 
 #include "client/link/server_address.h"
+#include "shared/page/channel_set.h"
 #include "shared/page/page_key.h"
 #include "shared/result/result.h"
 
@@ -34,6 +35,9 @@ struct SceneInfo {
 /// Reads a scene's TileJSON; `where` names its source in errors. Fields that we do not know are skipped; a
 /// page side or an extent that we cannot show is `invalid_input`.
 Result<SceneInfo> parse_scene_info(std::string_view json, std::string_view where);
+
+/// Whether the scene has the channel set. Error: invalid_input, with those it has.
+Result<void> check_channels(const SceneInfo& scene, ChannelSet channels);
 
 /// Asks the server for a scene. An unknown scene is `no_such_scene`, and the detail lists the scenes there
 /// are.

@@ -59,7 +59,8 @@ CommandLine read_command_line(int argc, const char* const* argv) {
     CommandLine line;
     LoadOptions& options = line.options;
     LoadPlan& plan = options.plan;
-    std::string url, format = "png", accuracy = "high", duration = "10", warmup = "1", timeout = "10";
+    std::string url, format = "png", accuracy = "high", channels = "albedo", duration = "10", warmup = "1",
+                     timeout = "10";
     std::vector<std::string> assertions;
     double rate = 0;
 
@@ -93,6 +94,10 @@ CommandLine read_command_line(int argc, const char* const* argv) {
         ->capture_default_str();
     app.add_option("--accuracy", accuracy, "exact, high or fast")
         ->check(CLI::IsMember({"exact", "high", "fast"}))
+        ->capture_default_str();
+    app.add_option("--channels", channels,
+                   "albedo, normal, roughness, height or moments, if the scene has it")
+        ->check(CLI::IsMember({"albedo", "normal", "roughness", "height", "moments"}))
         ->capture_default_str();
     app.add_flag("--zstd", plan.accept_zstd, "Accept raw pages packed by zstd");
 
@@ -150,6 +155,7 @@ CommandLine read_command_line(int argc, const char* const* argv) {
     if (plan.accept_zstd && format != "rgba") return fail("--zstd needs --format rgba");
     plan.options.format = *page_format(format);
     plan.options.accuracy = *accuracy_named(accuracy);
+    plan.options.channels = *channel_set_named(channels);
     if (rate > 0) plan.rate = rate;
     const auto nanoseconds_of = [](const std::string& text) {
         return std::chrono::nanoseconds{std::llround(seconds(text) * 1e9)};

@@ -79,6 +79,8 @@ int main(int argc, char** argv) {
         return fail("--gutter " + std::to_string(plan.options.gutter) + ": the server gives at most " +
                         std::to_string(plan.scene.max_gutter),
                     2);
+    if (const auto there = check_channels(plan.scene, plan.options.channels); !there)
+        return fail(there.error().detail, 2);
     const auto walk = make_walk(options, plan.scene.extent);
     if (!walk) return fail(walk.error().detail, 2);
     if (!make_room_for(plan.connections))

@@ -110,6 +110,7 @@ std::string json_report(const LoadOptions& options, const LoadOutcome& outcome,
         .field("format", extension(plan.options.format))
         .field("gutter", plan.options.gutter)
         .field("accuracy", name_of(plan.options.accuracy))
+        .field("channels", name_of(plan.options.channels))
         .field("zstd", plan.accept_zstd)
         .field("warmup_s", seconds(plan.warmup))
         .field("duration_s", seconds(plan.duration))

@@ -14,11 +14,13 @@ PageClientSettings client_settings(std::size_t connections) {
 
 }  // namespace
 
-HttpPageSource::HttpPageSource(const ServerAddress& server, const SceneInfo& scene, std::size_t connections)
-    : client_{server, scene, client_settings(connections)} {}
+HttpPageSource::HttpPageSource(const ServerAddress& server, const SceneInfo& scene, ChannelSet channels,
+                               std::size_t connections)
+    : client_{server, scene, client_settings(connections)},
+      options_{.format = PageFormat::rgba, .gutter = gutter_texels, .channels = channels} {}
 
 bool HttpPageSource::request(PageKey page) {
-    const auto id = client_.request(page, {.format = PageFormat::rgba, .gutter = gutter_texels});
+    const auto id = client_.request(page, options_);
     if (!id) return false;
     ids_[page] = *id;
     return true;

@@ -11,8 +11,9 @@ namespace tessera {
 /// The pages of a scene over HTTP, raw, with the gutter the cache needs.
 class HttpPageSource : public PageSource {
   public:
-    /// `scene` gives raw pages with a gutter of gutter_texels; see check_scene().
-    HttpPageSource(const ServerAddress& server, const SceneInfo& scene, std::size_t connections);
+    /// `scene` has these channels, and gives raw pages with a gutter of gutter_texels; see check_scene().
+    HttpPageSource(const ServerAddress& server, const SceneInfo& scene, ChannelSet channels,
+                   std::size_t connections);
 
     bool request(PageKey page) override;
     void cancel(PageKey page) override;
@@ -24,6 +25,7 @@ class HttpPageSource : public PageSource {
 
   private:
     BackgroundPageClient client_;
+    FetchOptions options_;
     std::unordered_map<PageKey, RequestId> ids_;
 };
 

@@ -54,9 +54,10 @@ Result<void> run(const Options& options) {
     const auto info = read_scene_info(*server, options.scene);
     if (!info) return info.error();
     if (const auto checked = check_scene(*info); !checked) return checked.error();
+    if (const auto there = check_channels(*info, options.channels); !there) return there.error();
     const auto path = camera_path(options, info->extent);
     if (!path) return path.error();
-    HttpPageSource source{*server, *info, std::min<std::size_t>(options.in_flight, 8)};
+    HttpPageSource source{*server, *info, options.channels, std::min<std::size_t>(options.in_flight, 8)};
     if (options.headless) return draw_headless(options, *info, *path, source);
     return run_window(options, *info, *server, path->at(path->begin_seconds()), source);
 }

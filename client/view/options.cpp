@@ -41,6 +41,11 @@ bool read_options(int argc, const char* const* argv, Options& options, int& exit
     std::string size;
     app.add_option("URL", options.url, "The server, as in http://127.0.0.1:7070")->required();
     app.add_option("SCENE", options.scene, "The scene's id; the server lists them at URL/scenes")->required();
+    std::string channels{name_of(options.channels)};
+    app.add_option("--channels", channels,
+                   "albedo, normal, roughness, height or moments, if the scene has it")
+        ->check(CLI::IsMember({"albedo", "normal", "roughness", "height", "moments"}))
+        ->capture_default_str();
     app.add_option("--camera", options.camera,
                    "A camera path (JSON): replayed with --headless, else where to begin");
     app.add_option("-o,--output", options.output, "Folder for frames, metrics.json and screenshots");
@@ -70,6 +75,7 @@ bool read_options(int argc, const char* const* argv, Options& options, int& exit
         exit_code = app.exit(error) == 0 ? 0 : 2;
         return false;
     }
+    options.channels = *channel_set_named(channels);
     if (options.width == 0) {
         options.width = options.headless ? 800 : 1280;
         options.height = options.headless ? 700 : 800;

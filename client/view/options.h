@@ -4,13 +4,16 @@
 #include <filesystem>
 #include <string>
 
+#include "shared/page/channel_set.h"
+
 namespace tessera {
 
 /// The command line of `tessera-view`.
 struct Options {
     std::string url;    ///< http://host:port
     std::string scene;  ///< The scene's id
-    int width = 0;      ///< Pixels of the frames, or of the window; 0: 800×700, or 1280×800
+    ChannelSet channels = ChannelSet::albedo;
+    int width = 0;  ///< Pixels of the frames, or of the window; 0: 800×700, or 1280×800
     int height = 0;
     std::filesystem::path camera;  ///< A camera path; empty: a first view of the scene
     std::filesystem::path output;  ///< Folder for frames and screenshots

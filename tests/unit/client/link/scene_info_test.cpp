@@ -33,6 +33,8 @@ TEST(SceneInfo, NamesTheChannelSets) {
         R"({"tessera": {"id": "a", "page_side": 256, "channels": ["albedo", "normal"]}})", "here");
     ASSERT_TRUE(info) << info.error().detail;
     EXPECT_THAT(info->channels, ::testing::ElementsAre("albedo", "normal"));
+    EXPECT_TRUE(check_channels(*info, ChannelSet::normal));
+    EXPECT_THAT(check_channels(*info, ChannelSet::height).error().detail, HasSubstr("it has albedo, normal"));
 }
 
 TEST(SceneInfo, NamesTheScenesThereAreIfTheOneAskedForIsNotAmongThem) {
