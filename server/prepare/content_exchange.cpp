@@ -3,6 +3,8 @@
 #include <thread>
 
 #include "server/prepare/contents.h"
+#include "server/prepare/judged_contents.h"
+#include "server/prepare/painted_patches.h"
 #include "server/prepare/patches.h"
 #include "server/prepare/perceptual.h"
 #include "server/prepare/prepare.h"
@@ -80,6 +82,10 @@ Result<PrepareOptions> fitted(const Rgb8Image& photo, PrepareOptions options, Pr
     if (options.tile_side < asked)
         progress.note("the photograph of " + size + " is too small for a tile of " + std::to_string(asked) +
                       ": it is " + std::to_string(options.tile_side));
+    if (options.tile_side < asked && !options.patch_map.empty())
+        return invalid("is " + size + " texels, too small for the patch map's tile of " +
+                       std::to_string(asked) + "; use a larger photograph, or a map of " +
+                       std::to_string(options.tile_side) + " a side");
 
     const std::int32_t widest_blend = options.tile_side / 4;
     if (options.blend_texels > widest_blend) {
@@ -116,14 +122,43 @@ PeriodicTile cut_tile(const PerceptualImage& photo, const PrepareOptions& option
     return {side, 0, std::move(quilted.sources), quilted.seam_cost};
 }
 
-Result<void> take_contents(const std::vector<std::vector<ShapedContent>>& found, std::int32_t wanted,
+/// The patches: a person's, or grown.
+Result<Segmentation> divide(const PerceptualImage& tile, const PrepareOptions& options) {
+    if (options.patch_map.empty()) return make_patches(tile, options.patches, options.seed);
+    return painted_patches(options.patch_map, tile.width);
+}
+
+/// What a person said of each patch's contents, if `before` has the same patches.
+Result<std::vector<JudgedContents>> judged_contents(const ExchangeAsset* before,
+                                                    const Segmentation& segmentation,
+                                                    std::int32_t blend_texels) {
+    std::vector<JudgedContents> judged(segmentation.patches.size());
+    if (before == nullptr) return judged;
+    if (before->labels != segmentation.labels || before->blend_texels < blend_texels)
+        return invalid(
+            "gives other patches than before, so that nothing pinned or dropped could be kept; prepare it "
+            "afresh, without --continue");
+    std::ranges::transform(before->patches, judged.begin(),
+                           [](const auto& patch) { return JudgedContents{patch}; });
+    return judged;
+}
+
+Result<void> take_contents(const std::vector<std::vector<ShapedContent>>& found,
+                           const std::vector<JudgedContents>& judged, std::int32_t wanted,
                            ExchangeAsset& asset, Progress& progress) {
-    std::size_t fewest = found.front().size(), short_of = 0;
+    std::size_t fewest = ~std::size_t{0}, short_of = 0;
     for (std::size_t p = 0; p < found.size(); ++p) {
-        for (const ShapedContent& content : found[p])
-            asset.patches[p].contents.push_back({content.at, content.shape});
-        fewest = std::min(fewest, found[p].size());
-        short_of += found[p].size() < static_cast<std::size_t>(wanted) ? 1 : 0;
+        auto& contents = asset.patches[p].contents;
+        contents = judged[p].with(found[p], wanted);
+        const auto shown = std::size_t(std::ranges::count_if(contents, [](const auto& content) {
+            return content.standing != ExchangeAsset::Standing::dropped;
+        }));
+        fewest = std::min(fewest, shown);
+        short_of += shown < static_cast<std::size_t>(wanted) ? 1 : 0;
+        if (contents.size() > std::size_t{ExchangeAsset::max_contents})
+            return invalid("has " + std::to_string(contents.size()) + " contents for patch " +
+                           std::to_string(p) + ", dropped ones with them; at most " +
+                           std::to_string(ExchangeAsset::max_contents) + ", so ask for fewer");
     }
     if (fewest == 0)
         return invalid(
@@ -139,7 +174,7 @@ Result<void> take_contents(const std::vector<std::vector<ShapedContent>>& found,
 }  // namespace
 
 Result<PreparedAsset> prepare_content_exchange(const Rgb8Image& photo, const PrepareOptions& asked,
-                                               const ExchangeAsset*, Progress& progress) {
+                                               const ExchangeAsset* before, Progress& progress) {
     const PrepareOptions complete = with_defaults(asked, photo);
     if (auto good = check(complete); !good) return good.error();
     const auto options = fitted(photo, complete, progress);
@@ -158,18 +193,23 @@ Result<PreparedAsset> prepare_content_exchange(const Rgb8Image& photo, const Pre
     // Divide it into patches
     progress.advance("patches", 0);
     const PerceptualImage tile_colors = to_perceptual(asset.tile);
-    Segmentation segmentation = make_patches(tile_colors, options->patches, options->seed);
+    auto segmentation = divide(tile_colors, *options);
+    if (!segmentation) return segmentation.error();
+    const auto judged = judged_contents(before, *segmentation, options->blend_texels);
+    if (!judged) return judged.error();
     progress.advance("patches", 1);
     if (progress.stop().stop_requested()) return stopped;
 
-    // Find what else of the photograph each patch may show
+    // Find what else of the photograph each patch may show, beside what a person has judged
+    const std::int32_t most_judged = std::ranges::max(*judged, {}, &JudgedContents::count).count();
     const std::vector<std::vector<ShapedContent>> found =
-        find_contents(colors, tile_colors, tile, segmentation,
-                      {options->contents, options->blend_texels, options->threads}, progress);
+        find_contents(colors, tile_colors, tile, *segmentation,
+                      {options->contents + most_judged, options->blend_texels, options->threads}, progress);
     if (progress.stop().stop_requested()) return stopped;
-    asset.labels = std::move(segmentation.labels);
-    asset.patches = std::move(segmentation.patches);
-    if (auto taken = take_contents(found, options->contents, asset, progress); !taken) return taken.error();
+    asset.labels = std::move(segmentation->labels);
+    asset.patches = std::move(segmentation->patches);
+    if (auto taken = take_contents(found, *judged, options->contents, asset, progress); !taken)
+        return taken.error();
     asset.exemplar = photo;
     return PreparedAsset{std::move(asset), tile.sources, {}};
 }
