@@ -23,6 +23,8 @@ constexpr LinearColor sun_color{1.26, 1.18, 1.02};
 constexpr LinearColor sky_color{0.36, 0.41, 0.50};
 constexpr LinearColor bounce_color{0.060, 0.050, 0.038};  // light that the stones themselves throw back
 
+constexpr double cliff = 2.2;  ///< Slope where a stone falls off.
+
 struct Normal {
     double x, y, z;
 };
@@ -58,7 +60,7 @@ Surface pebble_at(const PebblePile& pile, const Pebble& pebble, std::int32_t x, 
     const double dx = wrapped(x + 0.5 - pebble.x, pile.side), dy = wrapped(y + 0.5 - pebble.y, pile.side);
     // Slopes of this stone alone; where the next texel is beyond its edge it falls off steeply
     const double here = surface_height(pebble, dx, dy);
-    constexpr double step = 0.75, cliff = 2.2;
+    constexpr double step = 0.75;
     const auto slope = [&](double ox, double oy) {
         if (const double ahead = surface_height(pebble, dx + ox, dy + oy); ahead > outside)
             return (ahead - here) / step;
@@ -154,8 +156,8 @@ void paint_row(const PebblePile& pile, Heights heights, std::int32_t y, PaintedS
             painted.color.bytes[at + c] = to_code(sum[c] / (oversampling * oversampling));
 
         // The canvas' y points down, a normal map's up
-        slope_x *= relief;
-        slope_y *= relief;
+        slope_x = relief * std::clamp(slope_x, -cliff, cliff);
+        slope_y = relief * std::clamp(slope_y, -cliff, cliff);
         const double half = 0.5 / std::sqrt(slope_x * slope_x + slope_y * slope_y + 1.0);
         const std::array<double, 3> normal{0.5 + slope_x * half, 0.5 - slope_y * half, 0.5 + half};
         for (std::size_t c = 0; c < 3; ++c) {

@@ -9,6 +9,9 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include "server/scene/asset_file.h"
+#include "tests/support/synthetic_asset.h"
+#include "tests/support/synthetic_channels.h"
 #include "tests/support/temporary_folder.h"
 
 namespace {
@@ -110,6 +113,37 @@ TEST_F(BakeCommands, CheckPrintsThePlanAndItsMemory) {
     EXPECT_THAT(outcome.output, HasSubstr("memory:"));
 }
 
+TEST_F(BakeCommands, WriteTheChannelSetThatIsAskedFor) {
+    tessera::ExchangeAsset asset = tessera::tests::make_synthetic_asset({});
+    tessera::tests::add_flat_channel(asset, "normal", {128, 128, 255});
+    tessera::tests::add_flat_channel(asset, "height", {40, 40, 40});
+    fs::create_directory(folder_ / "surface");
+    ASSERT_TRUE(tessera::write_exchange_asset(folder_ / "surface" / "asset", asset, {}));
+    write("surface/scene.json", R"({"content_exchange": {"asset": "asset", "types": 64}})");
+
+    ASSERT_EQ(run("page surface 3 1 2 --channels height -o page.png").exit_code, 0);
+    ASSERT_EQ(run("bake surface --level 3 --region 0,0,64,64 --channels height -o part.png").exit_code, 0);
+    ASSERT_EQ(run("bake surface --level 3 --region 0,0,64,64 --channels height -o part.exr").exit_code, 0);
+    ASSERT_EQ(run("bake surface --level 3 --region 0,0,64,64 --channels height -o part.tx").exit_code, 0);
+    for (const char* name : {"page.png", "part.png", "part.exr", "part.tx"}) {
+        OIIO::ImageSpec spec;
+        const auto values = pixels(name, spec);
+        ASSERT_FALSE(values.empty()) << name;
+        EXPECT_NEAR(values[0], 40 / 255.0, 1e-4) << name;  // no curve on the way to the file
+    }
+    std::ostringstream png;
+    png << std::ifstream{folder_ / "part.png"}.rdbuf();
+    EXPECT_EQ(png.str().find("sRGB"), std::string::npos);
+    EXPECT_EQ(png.str().find("gAMA"), std::string::npos);
+
+    const Outcome check = run("check surface");
+    EXPECT_THAT(check.output, HasSubstr("channels: albedo, normal, height, moments"));
+    const Outcome absent = run("page surface 3 1 2 --channels roughness -o none.png");
+    EXPECT_EQ(absent.exit_code, 1);
+    EXPECT_THAT(absent.output, HasSubstr("it has albedo, normal, height, moments"));
+    EXPECT_FALSE(fs::exists(folder_ / "none.png"));
+}
+
 struct Refusal {
     const char* arguments;
     const char* says;
@@ -136,6 +170,8 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Refusal{"page board 13 0 0 -o a.png", "LEVEL is 0 to 12"},
                     Refusal{"page board 3 512 0 -o a.png", "0 to 511"},
                     Refusal{"page board 3 0 0 -o a.gif", ".png"},
+                    Refusal{"page board 3 0 0 --channels normal -o a.png", "it has albedo"},
+                    Refusal{"bake board --region 0,0,8,8 --channels shiny -o a.png", "it has albedo"},
                     Refusal{"page nowhere 0 0 0 -o a.png", "nowhere"},
                     Refusal{"page typo 0 0 0 -o a.png", "cells"},
                     Refusal{"page empty 0 0 0 -o a.png", "no texture"},
