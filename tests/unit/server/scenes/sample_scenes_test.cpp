@@ -1,14 +1,18 @@
 #include "server/scenes/sample_scenes.h"
 
+#include <algorithm>
 #include <fstream>
+#include <functional>
 
 #include <gtest/gtest.h>
 
 #include "server/progress/progress.h"
+#include "server/scene/asset_file.h"
 #include "server/scene/image_file.h"
 #include "server/scene/scene.h"
 #include "server/scene/whole_file.h"
 #include "server/scenes/paint_pebbles.h"
+#include "server/scenes/scene_folder.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tessera {
@@ -77,7 +81,8 @@ TEST(PhotoScene, ShowsThePhotographUnderItsName) {
 /// Makes the scene, and says "ID written" or "ID kept"; or what went wrong.
 std::string outcome(const fs::path& photo, const fs::path& scenes, bool force = false) {
     SilentProgress progress;
-    const auto made = make_photo_scene(photo, scenes, {.prepare = {}, .limits = {}, .force = force}, progress);
+    const auto made =
+        make_photo_scene(photo, scenes, {.prepare = {}, .limits = {}, .force = force}, progress);
     if (!made) return made.error().detail;
     return made->id + (made->made == Made::kept ? " kept" : " written");
 }
@@ -121,6 +126,75 @@ TEST(PhotoScene, KeepsWhatAPersonWroteUnlessForced) {
 
     EXPECT_EQ(outcome(photo, scenes, true), "wall written");
     EXPECT_EQ(load_scene(scenes / "wall").value()->fingerprint, made);
+}
+
+/// Writes the scene's asset again, changed, and as if another version had prepared it.
+void make_outdated(const fs::path& asset_folder, const std::function<void(ExchangeAsset&)>& change) {
+    auto asset = read_exchange_asset(asset_folder);
+    auto made = read_preparation(asset_folder);
+    ASSERT_TRUE(asset && made);
+    change(*asset);
+    made->version = prepare_version - 1;
+    ASSERT_TRUE(write_exchange_asset(asset_folder, *asset, *made));
+}
+
+TEST(PhotoScene, IsPreparedAgainWhenThePreparationHasChanged) {
+    const tests::TemporaryFolder temporary;
+    const fs::path photo = temporary.path / "wall.png", scenes = temporary.path / "scenes";
+    const fs::path asset = scenes / "wall" / "asset";
+    write_photo(photo, 1);
+    EXPECT_EQ(outcome(photo, scenes), "wall written");
+    const std::string made = load_scene(scenes / "wall").value()->fingerprint;
+    make_outdated(asset, [](ExchangeAsset& old) { old.patches[0].contents.resize(1); });
+    EXPECT_EQ(outcome(photo, scenes), "wall written");
+    EXPECT_EQ(outcome(photo, scenes), "wall kept");
+    EXPECT_EQ(load_scene(scenes / "wall").value()->fingerprint, made)
+        << "all is as if it had been made today";
+
+    // What a person said and wrote stays
+    write_text(scenes / "wall" / "scene.json",
+               R"({"title": "Our wall", "content_exchange": {"asset": "asset"}})");
+    make_outdated(asset, [](ExchangeAsset& old) {
+        old.patches[1].contents[0].standing = ExchangeAsset::Standing::dropped;
+        old.patches[2].contents[0].standing = ExchangeAsset::Standing::pinned;
+    });
+    const auto before = read_exchange_asset(asset);
+    EXPECT_EQ(outcome(photo, scenes), "wall written");
+    EXPECT_EQ(load_scene(scenes / "wall").value()->title, "Our wall");
+    const auto after = read_exchange_asset(asset);
+    ASSERT_TRUE(before && after);
+    const auto has = [&](std::size_t patch, ExchangeAsset::Standing standing) {
+        const auto& wanted = before->patches[patch].contents[0];
+        return std::ranges::any_of(after->patches[patch].contents, [&](const auto& content) {
+            return content.at == wanted.at && content.standing == standing;
+        });
+    };
+    EXPECT_TRUE(has(1, ExchangeAsset::Standing::dropped));
+    EXPECT_TRUE(has(2, ExchangeAsset::Standing::pinned));
+}
+
+TEST(PhotoScene, EveryMethodHasASceneOfItsOwn) {
+    const tests::TemporaryFolder temporary;
+    SilentProgress progress;
+    const fs::path photo = temporary.path / "wall.png", scenes = temporary.path / "scenes";
+    write_photo(photo, 1);
+    for (const ExchangeMethod method :
+         {ExchangeMethod::content_exchange, ExchangeMethod::interchange, ExchangeMethod::wang}) {
+        PhotoSceneOptions options;
+        options.prepare.method = method;
+        options.prepare.tile_side = 32;
+        options.prepare.patches = 16;
+        const std::string name{method_name(method)};
+        for (const Made expected : {Made::written, Made::kept}) {
+            const auto made = make_photo_scene(photo, scenes, options, progress);
+            ASSERT_TRUE(made) << made.error().detail;
+            EXPECT_EQ(made->id, method == ExchangeMethod::content_exchange ? "wall" : "wall-" + name);
+            EXPECT_EQ(made->made, expected);
+        }
+        const auto scene = load_scene(scenes / scene_id_of(photo, method));
+        ASSERT_TRUE(scene) << scene.error().detail;
+        EXPECT_EQ((*scene)->texture->kind(), name);
+    }
 }
 
 TEST(PhotoScene, LeavesOtherFoldersAndTheNamesOfSamplesAlone) {
