@@ -31,7 +31,8 @@ class MaterialTexture : public Texture {
         std::array<LinearImage, most_sources> in;
         Errors errors{};
         Evaluation all;
-        for (std::size_t i = 0; i < sources_.size(); ++i) {
+        const std::size_t used = sources_used(region.level);
+        for (std::size_t i = 0; i < used; ++i) {
             const auto one = sources_[i]->evaluate(region, budget, in[i]);
             if (!one) return one.error();
             errors[i] = one->bound_codes * code_in_linear;
@@ -43,7 +44,7 @@ class MaterialTexture : public Texture {
         for (std::int32_t y = 0; y < region.height; ++y) {
             if (auto spent = check_budget(budget); !spent) return spent.error();
             Rows rows{};
-            for (std::size_t i = 0; i < sources_.size(); ++i) rows[i] = in[i].row(y);
+            for (std::size_t i = 0; i < used; ++i) rows[i] = in[i].row(y);
             all.bound_codes =
                 std::max(all.bound_codes, fill_row(rows, errors, region.level, region.width, out.row(y)));
         }
@@ -55,6 +56,8 @@ class MaterialTexture : public Texture {
     std::size_t memory_bytes() const noexcept override { return own_bytes_; }
 
   protected:
+    /// How many of the sources, the first ones, fill_row() looks at on a level.
+    virtual std::size_t sources_used(int) const noexcept { return sources_.size(); }
     /// Fills a row of `width` RGBA texels of `level`, and tells how many codes it is off at most.
     virtual double fill_row(const Rows& in, const Errors& errors, int level, std::int32_t width,
                             float* out) const = 0;
@@ -117,6 +120,7 @@ class RoughnessTexture final : public MaterialTexture {
           range_{lean.range} {}
 
   private:
+    std::size_t sources_used(int level) const noexcept override { return range_ > 0 && level > 0 ? 3 : 1; }
     double fill_row(const Rows& in, const Errors& errors, int level, std::int32_t width,
                     float* out) const override {
         const bool bumpy = range_ > 0 && level > 0;
@@ -173,6 +177,8 @@ class MomentsTexture final : public MaterialTexture {
           range_{lean.range} {}
 
   private:
+    /// One tells how level 0 is made, and stops with the budget.
+    std::size_t sources_used(int level) const noexcept override { return level > 0 ? 3 : 1; }
     double fill_row(const Rows& in, const Errors& errors, int level, std::int32_t width,
                     float* out) const override {
         for (std::int32_t x = 0; x < width; ++x) {
