@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "server/scene/asset_check.h"
+
 namespace tessera {
 namespace {
 
@@ -34,6 +36,14 @@ Result<RecordedAsset> prepare_recorded(const Rgb8Image& photo, const std::vector
     auto prepared = prepare_exchange(photo, options, before, progress);
     if (!prepared) return prepared.error();
 
+    if (prepared->asset.patches.empty())
+        return Error{ErrorCode::invalid_input,
+                     "holds nothing that fits its tile; use a larger photograph or another --tile"};
+    // What is written must load
+    if (auto good = check_exchange_asset(
+            prepared->asset, {"asset.json", "exemplar.png", "tile.png", "patches.png", "shapes.png"});
+        !good)
+        return good.error();
     RecordedAsset made;
     made.asset = std::move(prepared->asset);
     const ExchangeAsset& asset = made.asset;

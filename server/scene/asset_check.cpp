@@ -150,7 +150,9 @@ Result<void> check_corners(const ExchangeAsset& asset, const AssetFiles& files) 
         const std::string which = name_of(0) + ".contents: of " + std::to_string(colors) +
                                   " colours, the corners \"" + digits(corners) + "\" have no tile";
         if (there[corners])
-            return invalid(files.json, which + " that is not dropped; keep one: tessera prepare --keep");
+            return invalid(files.json, which +
+                                           " that is not dropped; each needs one, so keep it, and prepare "
+                                           "with another --seed instead");
         return invalid(files.json, which + again);
     }
     return {};

@@ -112,20 +112,43 @@ TEST_F(PrepareCommand, GoesOnFromWhatAPersonSaid) {
                    "asset: was made of another photograph; name that one; or leave --continue out");
 }
 
+TEST_F(PrepareCommand, PatchesToInterchangeAreDroppedAndKeptToo) {
+    ASSERT_EQ(
+        run("prepare photo.png -o asset --method interchange --tile 64 --patches 16 --blend 2 -q").exit_code,
+        0);
+    const ExchangeAsset before = asset();
+    ASSERT_GE(before.patches.size(), 6u);
+    const Outcome outcome = run("prepare photo.png -o asset -q --continue --drop 2 --keep 4");
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+    const ExchangeAsset after = asset();
+    std::size_t dropped = 0, kept = 0;
+    for (const auto& patch : after.patches) {
+        const auto& content = patch.contents[0];
+        const auto is = [&](std::size_t earlier) {
+            return content.at == before.patches[earlier].contents[0].at &&
+                   content.shape == before.patches[earlier].contents[0].shape;
+        };
+        dropped += is(2) && content.standing == ExchangeAsset::Standing::dropped ? 1 : 0;
+        kept += is(4) && content.standing == ExchangeAsset::Standing::pinned ? 1 : 0;
+    }
+    EXPECT_EQ(dropped, 1u);
+    EXPECT_EQ(kept, 1u);
+}
+
+TEST_F(PrepareCommand, ATileThatNoOtherReplacesIsNotDropped) {
+    ASSERT_EQ(run("prepare photo.png -o asset --method wang --tile 32 --colors 2 -q").exit_code, 0);
+    EXPECT_EQ(asset().patches[0].contents.size(), 15u);
+    expect_refused("prepare -o asset --drop 0:3", "have no tile that is not dropped; each needs one");
+}
+
 TEST_F(PrepareCommand, AlignedImagesAreCutLikeThePhotograph) {
-    // Each image is the photograph in other colours, so every texel of it can be foretold
+    // The photograph in other colours, so that every texel of it can be foretold
     Rgb8Image inverted = test::made_photo(120, 100);
     for (auto& code : inverted.bytes) code = static_cast<std::uint8_t>(255 - code);
     ASSERT_TRUE(write_rgb_png(folder_ / "inverted.png", inverted));
-    ASSERT_EQ(
-        run("prepare photo.png -o asset --normal inverted.png --height inverted.png" + std::string{small})
-            .exit_code,
-        0);
-    const auto expect_aligned = [&] {
+    const auto expect_aligned = [&](std::size_t channels) {
         const ExchangeAsset made = asset();
-        ASSERT_EQ(made.channels.size(), 2u);
-        EXPECT_EQ(made.channels[0].name, "normal");
-        EXPECT_EQ(made.channels[1].name, "height");
+        ASSERT_EQ(made.channels.size(), channels);
         for (const auto& channel : made.channels) {
             for (std::size_t i = 0; i < made.tile.bytes.size(); ++i)
                 ASSERT_EQ(channel.tile.bytes[i], 255 - made.tile.bytes[i]);
@@ -133,9 +156,25 @@ TEST_F(PrepareCommand, AlignedImagesAreCutLikeThePhotograph) {
                 ASSERT_EQ(channel.exemplar.bytes[i], 255 - made.exemplar.bytes[i]);
         }
     };
-    expect_aligned();
+    const std::string images = " --normal inverted.png --height inverted.png";
+    ASSERT_EQ(run("prepare photo.png -o asset" + images + small).exit_code, 0);
+    EXPECT_EQ(asset().channels[0].name, "normal");
+    EXPECT_EQ(asset().channels[1].name, "height");
+    expect_aligned(2);
     ASSERT_EQ(run("prepare photo.png -o asset -q --continue").exit_code, 0);
-    expect_aligned();
+    expect_aligned(2);
+    ASSERT_EQ(
+        run("prepare photo.png -o asset -q --method interchange --tile 64 --patches 16" + images).exit_code,
+        0);
+    expect_aligned(2);
+
+    // Wang's tiles are cut out of the photograph, and the images with it
+    ASSERT_EQ(run("prepare photo.png -o asset -q --method wang --tile 32" + images).exit_code, 0);
+    expect_aligned(2);
+    expect_refused("prepare photo.png -o asset --continue",
+                   "asset: holds its normal cut into tiles; name the image again");
+    ASSERT_EQ(run("prepare photo.png -o asset -q --continue --roughness inverted.png").exit_code, 0);
+    expect_aligned(1);
 
     write_photo("small.png", 60, 50);
     expect_refused("prepare photo.png -o another --roughness small.png" + std::string{small},

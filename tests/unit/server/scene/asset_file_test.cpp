@@ -351,7 +351,7 @@ TEST_F(AssetFile, what_wang_does_not_hold_is_named) {
         {made, [](auto& m) { m.mutable_patches_info(0)->mutable_contents()->DeleteSubrange(4, 1); },
          "patches_info[0].contents: of 2 colours, the corners"},
         {made, [](auto& m) { m.mutable_patches_info(0)->mutable_contents(4)->set_standing("dropped"); },
-         "have no tile that is not dropped; keep one"},
+         "have no tile that is not dropped; each needs one"},
         {made, [](auto& m) { m.mutable_patches_info(0)->mutable_contents(4)->set_corners("012"); },
          "patches_info[0].contents[4].corners: is \"012\"; four digits 0 to 3"},
         {made, [](auto& m) { m.mutable_patches_info(0)->mutable_contents(4)->set_corners("0124"); },
@@ -443,7 +443,7 @@ TEST_F(AssetFile, standings_of_what_is_not_there_change_nothing) {
     expect_unchanged({{1, 4, dropped}}, "patch 1 has no content 4; it has 3, counted from 1");
     expect_unchanged({{1, 0, dropped}}, "content 0 of patch 1 is the tile's own");
     ASSERT_TRUE(write_exchange_asset(asset, tests::make_synthetic_wang({}), {}));
-    expect_unchanged({{0, 7, dropped}}, "have no tile that is not dropped; keep one");
+    expect_unchanged({{0, 7, dropped}}, "have no tile that is not dropped; each needs one");
 }
 
 TEST_F(AssetFile, a_label_without_a_patch_is_named_with_its_texel) {

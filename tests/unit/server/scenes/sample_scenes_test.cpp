@@ -182,7 +182,7 @@ TEST(PhotoScene, EveryMethodHasASceneOfItsOwn) {
          {ExchangeMethod::content_exchange, ExchangeMethod::interchange, ExchangeMethod::wang}) {
         PhotoSceneOptions options;
         options.prepare.method = method;
-        options.prepare.tile_side = 32;
+        options.prepare.tile_side = 64;
         options.prepare.patches = 16;
         const std::string name{method_name(method)};
         for (const Made expected : {Made::written, Made::kept}) {
