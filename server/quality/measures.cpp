@@ -62,11 +62,13 @@ Result<Quality> measure_quality(const ExchangeAsset& asset, const MeasuredTextur
     auto repetition = measure_repetition(*textures.blended, asset.tile_side, progress.part(0.2, 0.6));
     if (!repetition) return repetition.error();
     quality.repetition = std::move(*repetition);
-    auto share = measure_tile_share(*textures.hard, asset.tile_side, progress.part(0.6, 0.75));
+    auto share =
+        measure_tile_share(*textures.hard, asset.tile_side, TileSample::rows, progress.part(0.6, 0.75));
     if (!share) return share.error();
     quality.share = std::move(*share);
     if (textures.kolar != nullptr) {
-        auto kolar = measure_tile_share(*textures.kolar, asset.tile_side, progress.part(0.75, 0.9));
+        auto kolar = measure_tile_share(*textures.kolar, asset.tile_side, TileSample::whole_tiles,
+                                        progress.part(0.75, 0.9));
         if (!kolar) return kolar.error();
         quality.kolar = std::move(*kolar);
     }

@@ -120,8 +120,11 @@ Result<Seams> measure_seams(const ExchangeAsset& asset, const ExchangeTexture& h
 /// tiles.
 Result<Repetition> measure_repetition(const ExchangeTexture& texture, std::int32_t tile_side,
                                       const ProgressPart& progress);
+/// How to look at many occurrences of the tile: row by row, or, where every look at a tile decides anew and
+/// that takes long, at fewer of them, each at once.
+enum class TileSample { rows, whole_tiles };
 Result<TileShare> measure_tile_share(const ExchangeTexture& texture, std::int32_t tile_side,
-                                     const ProgressPart& progress);
+                                     TileSample sample, const ProgressPart& progress);
 Result<Fidelity> measure_fidelity(const ExchangeAsset& asset, const ExchangeTexture& texture,
                                   const ProgressPart& progress);
 

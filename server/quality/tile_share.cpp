@@ -30,45 +30,56 @@ void summarise(TileShare::Figure& figure, std::int32_t side) {
 }  // namespace
 
 Result<TileShare> measure_tile_share(const ExchangeTexture& texture, std::int32_t tile_side,
-                                     const ProgressPart& progress) {
+                                     TileSample sample, const ProgressPart& progress) {
     TileShare share;
     const std::int32_t cells = share.cells_a_side = tile_side / cell_texels;
-    const std::int32_t tiles = std::clamp(16384 / tile_side, 8, 64);  // each way
+    const bool whole = sample == TileSample::whole_tiles;
+    const std::int32_t tiles =
+        whole ? std::clamp(8192 / tile_side, 4, 16) : std::clamp(16384 / tile_side, 8, 64);  // each way
     share.occurrences = std::int64_t{tiles} * tiles;
     const std::int64_t first = -std::int64_t{tiles} / 2 * tile_side;
+    const std::int32_t rows = whole ? tile_side : 1, step = whole ? tile_side : cell_texels;
+    const std::int32_t piece = std::min(tiles * tile_side, 4096);
 
-    // One row of cells after the other, over all tiles: what each cell shows in each of them
-    std::vector<std::vector<std::uint32_t>> shown(std::size_t(cells), std::vector<std::uint32_t>{});
-    for (std::int32_t row = 0; row < cells; ++row) {
-        progress.advance(double(row) / cells);
-        if (progress.progress.stop().stop_requested()) return Error{ErrorCode::cancelled, "stopped"};
-        for (auto& of_cell : shown) of_cell.clear();
-        const std::int32_t piece = std::min(tiles * tile_side, 4096);
-        for (std::int32_t y = 0; y < tiles; ++y)
+    // What each cell shows in each occurrence
+    const auto count = static_cast<std::size_t>(share.occurrences);
+    std::vector<std::uint32_t> shown(std::size_t(cells) * std::size_t(cells) * count);
+    for (std::int32_t tile_y = 0; tile_y < tiles; ++tile_y)
+        for (std::int32_t top = 0; top < tile_side; top += step) {
+            progress.advance((tile_y + double(top) / tile_side) / tiles);
+            if (progress.progress.stop().stop_requested()) return Error{ErrorCode::cancelled, "stopped"};
             for (std::int32_t x = 0; x < tiles * tile_side; x += piece) {
-                const auto sources = texture.sources(
-                    {0, first + x, first + std::int64_t{y} * tile_side + row * cell_texels + cell_texels / 2,
-                     piece, 1});
+                const std::int64_t y = first + std::int64_t{tile_y} * tile_side + top;
+                const auto sources =
+                    texture.sources({0, first + x, whole ? y : y + cell_texels / 2, piece, rows});
                 if (!sources) return sources.error();
-                for (std::int32_t u = cell_texels / 2; u < piece; u += cell_texels)
-                    shown[std::size_t((x + u) % tile_side / cell_texels)].push_back(
-                        (*sources)[std::size_t(u)]);
+                for (std::int32_t v = whole ? cell_texels / 2 : 0; v < rows; v += cell_texels)
+                    for (std::int32_t u = cell_texels / 2; u < piece; u += cell_texels) {
+                        const std::int32_t column = (x + u) % tile_side / cell_texels;
+                        const std::int32_t row = (top + v) / cell_texels;
+                        const std::int32_t tile = tile_y * tiles + (x + u) / tile_side;
+                        shown[(std::size_t(row) * std::size_t(cells) + std::size_t(column)) * count +
+                              std::size_t(tile)] =
+                            (*sources)[std::size_t(v) * std::size_t(piece) + std::size_t(u)];
+                    }
             }
-        for (auto& of_cell : shown) {
-            std::sort(of_cell.begin(), of_cell.end());
-            const double all = double(of_cell.size());
-            double alike = 0,
-                   own = 0;  // ordered pairs of occurrences that show the same; occurrences of the tile
-            for (auto run = of_cell.begin(); run != of_cell.end();) {
-                const auto end = std::upper_bound(run, of_cell.end(), *run);
-                const double count = double(end - run);
-                alike += count * (count - 1);
-                if (*run == 0) own = count;
-                run = end;
-            }
-            share.tile.cells.push_back(static_cast<float>(own / all));
-            share.repeat.cells.push_back(static_cast<float>(alike / (all * (all - 1))));
         }
+
+    for (auto begin = shown.begin(); begin != shown.end(); begin += std::ptrdiff_t(count)) {
+        const auto end = begin + std::ptrdiff_t(count);
+        std::sort(begin, end);
+        const double all = double(count);
+        double alike = 0,
+               own = 0;  // ordered pairs of occurrences that show the same; occurrences of the tile
+        for (auto run = begin; run != end;) {
+            const auto next = std::upper_bound(run, end, *run);
+            const double length = double(next - run);
+            alike += length * (length - 1);
+            if (*run == 0) own = length;
+            run = next;
+        }
+        share.tile.cells.push_back(static_cast<float>(own / all));
+        share.repeat.cells.push_back(static_cast<float>(alike / (all * (all - 1))));
     }
     summarise(share.tile, cells);
     summarise(share.repeat, cells);

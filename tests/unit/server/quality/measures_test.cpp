@@ -176,8 +176,8 @@ TEST_F(Measures, TileShareCountsHowOftenAPlaceShowsTheTileAndHowOftenTheSame) {
         if (u < 8 && v < 8) return 0U;
         return uniform_below(hash(seed, stream("source"), (x - u) / 64, (y - v) / 64), 5);
     };
-    const auto share =
-        measure_tile_share(PaintedTexture{[](auto, auto) { return grey(0); }, source}, 64, progress);
+    const auto share = measure_tile_share(PaintedTexture{[](auto, auto) { return grey(0); }, source}, 64,
+                                          TileSample::rows, progress);
     ASSERT_TRUE(share);
     EXPECT_EQ(share->cells_a_side, 8);
     EXPECT_EQ(share->occurrences, 64 * 64);
@@ -188,6 +188,12 @@ TEST_F(Measures, TileShareCountsHowOftenAPlaceShowsTheTileAndHowOftenTheSame) {
     EXPECT_EQ(share->repeat.corner, 1);
     EXPECT_NEAR(double(share->repeat.cells[9]), 0.2, 0.01);
     EXPECT_GT(share->chance, share->repeat.mean);
+    const auto fewer = measure_tile_share(PaintedTexture{[](auto, auto) { return grey(0); }, source}, 64,
+                                          TileSample::whole_tiles, progress);
+    ASSERT_TRUE(fewer);
+    EXPECT_EQ(fewer->occurrences, 16 * 16);
+    EXPECT_EQ(fewer->tile.corner, 1);
+    EXPECT_NEAR(double(fewer->tile.cells[9]), 0.2, 0.1);
     EXPECT_NEAR(share->beyond_chance, 1.0 / 64, 1e-9);
 }
 
@@ -197,8 +203,8 @@ TEST_F(Measures, IndependentDrawsKeepToChance) {
         const auto cell = static_cast<std::uint64_t>(v / 8 * 8 + u / 8);
         return uniform_below(hash(seed, stream("source", cell), (x - u) / 64, (y - v) / 64), 25);
     };
-    const auto share =
-        measure_tile_share(PaintedTexture{[](auto, auto) { return grey(0); }, source}, 64, progress);
+    const auto share = measure_tile_share(PaintedTexture{[](auto, auto) { return grey(0); }, source}, 64,
+                                          TileSample::rows, progress);
     ASSERT_TRUE(share);
     EXPECT_NEAR(share->repeat.mean, 0.04, 0.0005);
     EXPECT_LE(share->beyond_chance, 1.0 / 64);
@@ -228,7 +234,7 @@ TEST_F(Measures, AnEndedWaitStopsEveryMeasurement) {
     const ProgressPart part{stopped, "measuring"};
     EXPECT_EQ(measure_seams(asset, texture, texture, part).error().code, ErrorCode::cancelled);
     EXPECT_EQ(measure_repetition(texture, 64, part).error().code, ErrorCode::cancelled);
-    EXPECT_EQ(measure_tile_share(texture, 64, part).error().code, ErrorCode::cancelled);
+    EXPECT_EQ(measure_tile_share(texture, 64, TileSample::rows, part).error().code, ErrorCode::cancelled);
     EXPECT_EQ(measure_fidelity(asset, texture, part).error().code, ErrorCode::cancelled);
 }
 
