@@ -1,7 +1,7 @@
 #include "server/prepare/interchange_layer.h"
 
 #include <algorithm>
-#include <cstdlib>
+#include <map>
 
 #include "shared/math/hash.h"
 
@@ -10,12 +10,11 @@ namespace {
 
 constexpr std::uint64_t layer_stream = stream("interchange layer");
 
-/// What may be spent on each place of the tile: windows of the photograph, and cuts in each.
-constexpr std::int64_t windows = 3;
-constexpr std::size_t cuts = 1;
+/// How many contents are cut for each patch, to choose the cheapest.
+constexpr std::size_t cuts = 20;
 
-/// The least distance from the middle of a gap to what lies around it, in texels, that a patch is made for.
-constexpr std::int32_t least_gap = 4;
+/// What is left of a region is not worth a patch below this.
+constexpr std::int32_t least_texels = 24;
 
 /// What of the torus is taken, and how far from it each place is. Kept at a reduced size for large tiles.
 class Gaps {
@@ -27,40 +26,44 @@ class Gaps {
           taken_(static_cast<std::size_t>(side) * static_cast<std::size_t>(side)),
           distances_(static_cast<std::size_t>(cells_) * static_cast<std::size_t>(cells_), far) {}
 
-    const std::vector<std::uint8_t>& taken() const noexcept { return taken_; }
-
-    void take(const InterchangePatch& patch) {
-        for (std::int32_t y = 0; y < patch.height; ++y)
-            for (std::int32_t x = 0; x < patch.width; ++x)
-                if (patch.shape.at(x, y)) {
-                    const std::int32_t u = (patch.x + x) & (side_ - 1), v = (patch.y + y) & (side_ - 1);
-                    taken_[static_cast<std::size_t>(v * side_ + u)] = 1;
-                    distances_[cell(u / factor_, v / factor_)] = 0;
-                }
-        measure();
+    /// Marks of the square's first texel at (left, top).
+    void take(const SquareMarks& marks, std::int32_t left, std::int32_t top, std::int32_t side) {
+        for (std::int32_t y = 0; y < side; ++y)
+            for (std::int32_t x = 0; x < side; ++x)
+                if (marks[static_cast<std::size_t>(y * side + x)] != 0) take(left + x, top + y);
     }
-    /// No gap is looked for at this place any more.
-    void give_up(std::int32_t x, std::int32_t y) {
-        distances_[cell(x / factor_, y / factor_)] = 0;
-        measure();
+    void take(std::int32_t x, std::int32_t y) {
+        const std::int32_t u = x & (side_ - 1), v = y & (side_ - 1);
+        taken_[static_cast<std::size_t>(v * side_ + u)] = 1;
+        distances_[cell(u / factor_, v / factor_)] = 0;
+    }
+    bool is_taken(std::int32_t x, std::int32_t y) const noexcept {
+        return taken_[static_cast<std::size_t>((y & (side_ - 1)) * side_ + (x & (side_ - 1)))] != 0;
     }
 
     struct Gap {
         std::int32_t x = 0, y = 0, radius = 0;  ///< In texels.
     };
-    /// The largest gap, give or take a quarter by `bits`.
-    Gap largest(std::uint64_t bits) const {
+    /// A gap for a patch of `wanted` texels' radius: where it fits most closely, so that many do; where none
+    /// of that size does, the largest there is. Give or take a quarter, by `bits`.
+    Gap next(std::int32_t wanted, std::uint64_t bits) {
+        measure();
         Gap best;
         std::int64_t most = -1;
+        const std::int64_t full = std::int64_t{3} * wanted / factor_;
         for (std::int32_t y = 0; y < cells_; ++y)
             for (std::int32_t x = 0; x < cells_; ++x) {
-                const std::int32_t distance = distances_[cell(x, y)];
+                const std::int64_t distance = distances_[cell(x, y)];
                 if (distance == 0) continue;
+                // Fine enough that few draw the same: among these the first would win
                 const std::int64_t jitter =
-                    192 + static_cast<std::int64_t>(hash(bits, layer_stream, x, y) >> 58);
-                if (distance * jitter <= most) continue;
-                most = distance * jitter;
-                best = {x * factor_ + factor_ / 2, y * factor_ + factor_ / 2, distance * factor_ / 3};
+                    (std::int64_t{3} << 20) + static_cast<std::int64_t>(hash(bits, layer_stream, x, y) >> 44);
+                const std::int64_t fit =
+                    distance <= full ? distance : std::max(full / 4, 2 * full - distance);
+                if (fit * jitter <= most) continue;
+                most = fit * jitter;
+                best = {x * factor_ + factor_ / 2, y * factor_ + factor_ / 2,
+                        static_cast<std::int32_t>(distance * factor_ / 3)};
             }
         return best;
     }
@@ -98,60 +101,104 @@ class Gaps {
     std::vector<std::int32_t> distances_;
 };
 
-/// A part of the photograph to look in: what comes from everywhere differs, and takes less time. Small
-/// squares find enough in small windows.
-PlaceSearch::Window window_at(const PlaceSearch::Window& all, std::int32_t side, std::uint64_t bits) {
-    const std::int32_t most = side * 16;
-    PlaceSearch::Window window{0, 0, std::clamp(all.width / 2, 1, most), std::clamp(all.height / 2, 1, most)};
-    window.left = all.left + static_cast<std::int32_t>(uniform_below(
-                                 bits, static_cast<std::uint32_t>(all.width - window.width + 1)));
-    window.top = all.top + static_cast<std::int32_t>(uniform_below(
-                               mix(bits), static_cast<std::uint32_t>(all.height - window.height + 1)));
-    return window;
+/// The square of a place, grain by grain.
+struct GrainSquare {
+    std::int32_t side = 0;
+    std::vector<std::uint16_t> grains;
+    SquareMarks free;
+
+    GrainSquare(const LayerSources& sources, const Gaps& gaps, const PatchPlace& place) : side{place.side} {
+        const std::int32_t tile_side = sources.tile.side, wrap = tile_side - 1;
+        for (std::int32_t y = 0; y < side; ++y)
+            for (std::int32_t x = 0; x < side; ++x) {
+                const std::int32_t i = ((place.y + y) & wrap) * tile_side + ((place.x + x) & wrap);
+                grains.push_back(sources.grains.labels[static_cast<std::size_t>(i)]);
+                free.push_back(!gaps.is_taken(place.x + x, place.y + y));
+            }
+    }
+
+    /// The free grains that mostly lie in the shape, and the one in the middle; none from the rim.
+    SquareMarks whole_grains(const SquareMarks& shape) const {
+        std::map<std::uint16_t, std::int32_t> balance;
+        for (std::size_t i = 0; i < grains.size(); ++i) balance[grains[i]] += shape[i] != 0 ? 1 : -1;
+        const std::int32_t middle = side / 2 * side + side / 2;
+        balance[grains[static_cast<std::size_t>(middle)]] = 1;
+        SquareMarks region(grains.size());
+        for (std::int32_t y = 1; y + 1 < side; ++y)
+            for (std::int32_t x = 1; x + 1 < side; ++x) {
+                const auto i = static_cast<std::size_t>(y * side + x);
+                region[i] = free[i] != 0 && balance[grains[i]] > 0;
+            }
+        return region;
+    }
+};
+
+/// Texels to compare before anything is known of the shape: where the bell lets the border run.
+SquareMarks ring_of(const PatchPlace& place, const SquareMarks& free) {
+    SquareMarks ring(free.size());
+    const std::int32_t margin = (place.side - place.core) / 2;
+    for (std::int32_t y = 0; y < place.side; ++y)
+        for (std::int32_t x = 0; x < place.side; ++x) {
+            const auto i = static_cast<std::size_t>(y * place.side + x);
+            const std::int32_t height = bell(x - margin, y - margin, place.core);
+            ring[i] = free[i] != 0 && height >= 70 && height <= 190;
+        }
+    return ring;
+}
+
+/// Texels to compare for a patch cut out of a region: those at its border.
+SquareMarks band_of(const SquareMarks& region, std::int32_t side) {
+    SquareMarks band(region.size());
+    const std::vector<std::int32_t> depth = depths(region, side);
+    for (std::size_t i = 0; i < band.size(); ++i) band[i] = depth[i] > 0 && depth[i] <= 3 * 5;
+    return band;
 }
 
 }  // namespace
 
-std::vector<InterchangePatch> make_layer(const LayerSources& sources, std::int64_t number, std::size_t most) {
-    const std::int32_t tile_side = sources.tile.side;
+std::vector<InterchangePatch> make_layer(const LayerSources& sources, std::int32_t number, std::size_t most) {
+    const PlaceSearch::Band band{number * sources.tile.side / sources.layers,
+                                 std::max(1, sources.tile.side / sources.layers)};
     const std::uint64_t key = hash(sources.seed, layer_stream, number, 0);
-    Gaps gaps{tile_side};
+    Gaps gaps{sources.tile.side};
     std::vector<InterchangePatch> layer;
     for (std::int64_t step = 0; layer.size() < most && !sources.stop.stop_requested(); ++step) {
         const std::uint64_t bits = hash(key, layer_stream, step, 1);
-        const Gaps::Gap gap = gaps.largest(bits);
-        if (gap.radius < least_gap) break;
-
-        // Of a size for the gap: the bell reaches somewhat beyond it, so that nooks are filled too; smaller
-        // than that at random, so that layers mix sizes in ways of their own
-        const std::int32_t cap = sources.largest * static_cast<std::int32_t>(16 - bits % 9) / 16;
+        // Of a size that layers draw, so that they mix sizes in ways of their own, or of one for the gap
+        const std::int32_t cap = sources.largest * static_cast<std::int32_t>(16 - bits % 3) / 16;
+        const Gaps::Gap gap = gaps.next(cap * 3 / 8, bits);
+        if (gap.radius < 1) break;
         PatchPlace place;
-        place.side = std::max(8, std::min(gap.radius * 7 / 2 + 7, cap) / 8 * 8);
+        place.core = std::max(8, std::min(gap.radius * 8 / 3 + 4, cap) / 8 * 8);
+        place.side = place.core + 2 * sources.margin;
         place.x = gap.x - place.side / 2;
         place.y = gap.y - place.side / 2;
-        place.pull = sources.pull;
-        // Close to the tile's corner the rhombus would leave half a patch: it may lie across, in neither set
-        const std::int32_t depth =
-            tile_side - std::abs(gap.x - tile_side / 2) - std::abs(gap.y - tile_side / 2);
-        place.in_rhombus = depth >= place.side / 2;
+        place.pull = 2 * sources.pull;
+        const GrainSquare square{sources, gaps, place};
 
+        // The grains that the best place suggests; then the best places for these grains
+        const auto first =
+            sources.places.best(place.x, place.y, place.side, ring_of(place, square.free), band, 1);
+        SquareMarks suggested(square.free.size());
+        if (!first.empty()) {
+            place.at = first[0];
+            suggested = suggested_shape(sources.photo, sources.tile, square.free, place);
+        }
+        const SquareMarks region = square.whole_grains(suggested);
+        // Small ones fill their grains; the longer a border, the harder it is to hide
+        const auto unit = static_cast<std::uint32_t>(sources.tile.side * 3 / 32),
+                   core = static_cast<std::uint32_t>(place.core);
+        place.pull = sources.pull * 3 * unit / (core + unit);
         InterchangePatch best;
-        const PlaceSearch::Window all = sources.places.everywhere(place.side);
-        for (std::int64_t w = 0; w < windows; ++w) {
-            const auto window = window_at(all, place.side, hash(bits, layer_stream, w, 2));
-            for (const auto& at :
-                 sources.places.best(place.x, place.y, place.side, gaps.taken(), window, cuts)) {
-                place.at = at;
-                InterchangePatch patch = cut_patch(sources.photo, sources.tile, gaps.taken(), place);
-                if (patch.texels > 0 && (best.texels == 0 || patch.cost < best.cost)) best = std::move(patch);
-            }
+        for (const auto& at :
+             sources.places.best(place.x, place.y, place.side, band_of(region, place.side), band, cuts)) {
+            place.at = at;
+            InterchangePatch patch = cut_patch(sources.photo, sources.tile, region, place);
+            if (patch.texels > 0 && (best.texels == 0 || patch.cost < best.cost)) best = std::move(patch);
         }
-        if (best.texels == 0) {
-            gaps.give_up(gap.x, gap.y);
-            continue;
-        }
-        gaps.take(best);
-        layer.push_back(std::move(best));
+        gaps.take(region, place.x, place.y, place.side);
+        gaps.take(gap.x, gap.y);
+        if (best.texels >= least_texels) layer.push_back(std::move(best));
     }
     std::stable_sort(layer.begin(), layer.end(), [](const InterchangePatch& a, const InterchangePatch& b) {
         return a.texels > b.texels;

@@ -6,6 +6,7 @@
 
 #include "server/prepare/interchange_patch.h"
 #include "server/prepare/interchange_places.h"
+#include "server/prepare/patches.h"
 
 namespace tessera {
 
@@ -13,17 +14,23 @@ namespace tessera {
 struct LayerSources {
     const PerceptualImage& photo;
     const QuiltedTile& tile;
+    const Segmentation& grains;  ///< Of the tile: see make_layer().
     const PlaceSearch& places;
     std::uint32_t pull = 0;    ///< See PatchPlace.
-    std::int32_t largest = 0;  ///< Side of the largest square, a multiple of 8.
+    std::int32_t margin = 0;   ///< About the radius of a grain, a multiple of 4.
+    std::int32_t largest = 0;  ///< Core of the largest square, a multiple of 8.
+    std::int32_t layers = 1;   ///< How many there will be.
     std::uint64_t seed = 1;
     std::stop_token stop;
 };
 
 /// One way to cover the torus with patches that do not overlap: large ones at random places first, then
-/// always one where the largest gap is, cut to fit between the others, down to gaps of a few texels. So the
-/// patches of one layer lie close together, and each of them also beside those of other layers. The largest
-/// first; at most `most`.
-std::vector<InterchangePatch> make_layer(const LayerSources& sources, std::int64_t number, std::size_t most);
+/// always one where the largest gap is, until none is left. The largest first; at most `most`.
+///
+/// Shapes that follow the photograph alone leave gaps that no other patch fits, a third of the plane and more
+/// however many there are. So the tile is divided into grains with quiet borders, once for all layers, and a
+/// patch is cut in a number of whole grains: those that the free cut suggests. What any patches leave is
+/// whole grains again, and there are patches for every single one of them.
+std::vector<InterchangePatch> make_layer(const LayerSources& sources, std::int32_t number, std::size_t most);
 
 }  // namespace tessera

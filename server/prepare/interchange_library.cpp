@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cstdlib>
+#include <numeric>
 #include <tuple>
 
 #include "server/prepare/interchange_layer.h"
@@ -13,17 +15,22 @@
 namespace tessera {
 namespace {
 
-/// About so many patches make a layer.
-constexpr std::int32_t patches_a_layer = 60;
+/// Grains are a tenth of the tile wide: smaller ones have longer borders to hide, larger ones leave less to
+/// mix.
+constexpr std::int32_t grains_a_side = 10, least_grain = 8;
 
-/// Whether two patches overlap and show the same there, or nearly.
+/// Whether two patches show the same where they overlap, or nearly, and that is a good part of either.
 bool alike(const InterchangePatch& a, const InterchangePatch& b, std::int32_t tile_side) {
     const std::int32_t wrap = tile_side - 1;
     // b moved by whole tiles to where it comes closest to a
     const std::int32_t dx = ((b.x - a.x + tile_side / 2) & wrap) - tile_side / 2;
     const std::int32_t dy = ((b.y - a.y + tile_side / 2) & wrap) - tile_side / 2;
-    if (dx >= a.width || dy >= a.height || -dx >= b.width || -dy >= b.height) return false;
-    return std::abs(b.at.x - dx - a.at.x) < 4 && std::abs(b.at.y - dy - a.at.y) < 4;
+    if (std::abs(b.at.x - dx - a.at.x) >= 4 || std::abs(b.at.y - dy - a.at.y) >= 4) return false;
+    std::int32_t both = 0;
+    for (std::int32_t y = std::max(0, dy); y < std::min(a.height, dy + b.height); ++y)
+        for (std::int32_t x = std::max(0, dx); x < std::min(a.width, dx + b.width); ++x)
+            both += a.shape.at(x, y) && b.shape.at(x - dx, y - dy);
+    return both * 4 > std::min(a.texels, b.texels);
 }
 
 /// What texels pay, from what the photograph's own texels differ by: the more, the closer patches lie
@@ -34,28 +41,99 @@ std::uint32_t pull_for(const PerceptualImage& photo) {
         for (std::int32_t x = 0; x + 1 < photo.width; ++x, pairs += 2)
             sum +=
                 distance(photo.at(x, y), photo.at(x + 1, y)) + distance(photo.at(x, y), photo.at(x, y + 1));
-    return static_cast<std::uint32_t>(std::max<std::uint64_t>(sum / pairs * 3 / 2, 16));
+    return static_cast<std::uint32_t>(std::max<std::uint64_t>(sum * 13 / pairs / 16, 16));
+}
+
+/// How many patches lie on each texel of the tile.
+class Coverage {
+  public:
+    explicit Coverage(std::int32_t side)
+        : side_{side}, counts_(static_cast<std::size_t>(side) * static_cast<std::size_t>(side)) {}
+
+    void add(const InterchangePatch& patch, std::int32_t by) {
+        for_each(patch, [&](std::int32_t& count) { count += by; });
+        texels_ += std::int64_t{by} * patch.texels;
+    }
+    std::int32_t least(const InterchangePatch& patch) {
+        std::int32_t least = INT32_MAX;
+        for_each(patch, [&](std::int32_t count) { least = std::min(least, count); });
+        return least;
+    }
+    std::int64_t mean() const { return texels_ / std::ssize(counts_); }
+
+  private:
+    template <class Call>
+    void for_each(const InterchangePatch& patch, Call&& call) {
+        for (std::int32_t y = 0; y < patch.height; ++y)
+            for (std::int32_t x = 0; x < patch.width; ++x)
+                if (patch.shape.at(x, y))
+                    call(counts_[static_cast<std::size_t>(((patch.y + y) & (side_ - 1)) * side_ +
+                                                          ((patch.x + x) & (side_ - 1)))]);
+    }
+    std::int32_t side_;
+    std::int64_t texels_ = 0;
+    std::vector<std::int32_t> counts_;
+};
+
+/// Leaves the wanted number, the best by their highest price (Kolář et al. 2016, section 4.1); but all of
+/// those that lie where there are few, since otherwise what is hard to match, such as the tile's own boldest
+/// features, would show everywhere.
+void leave_out_worst(std::vector<InterchangePatch>& library, std::size_t wanted, std::int32_t tile_side) {
+    if (library.size() <= wanted) return;
+    Coverage coverage{tile_side};
+    for (const InterchangePatch& patch : library) coverage.add(patch, 1);
+    std::vector<std::size_t> order(library.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(), [&](std::size_t p, std::size_t q) {
+        return std::tuple{library[q].worst, p} < std::tuple{library[p].worst, q};
+    });
+    std::vector<std::uint8_t> dropped(library.size());
+    std::size_t left = library.size();
+    for (const bool only_where_many : {true, false})
+        for (const std::size_t p : order) {
+            if (left == wanted) break;
+            if (dropped[p] != 0 || (only_where_many && coverage.least(library[p]) < coverage.mean()))
+                continue;
+            coverage.add(library[p], -1);
+            dropped[p] = 1;
+            --left;
+        }
+    std::size_t p = 0;
+    std::erase_if(library, [&](const InterchangePatch&) { return dropped[p++] != 0; });
 }
 
 }  // namespace
 
 std::vector<InterchangePatch> find_library(const PerceptualImage& photo, const QuiltedTile& tile,
                                            const LibrarySearch& search, Progress& progress) {
-    const std::int32_t room = std::min(photo.width, photo.height) - search.blend_texels;
+    // Room to be moved about in, also for the largest
+    const std::int32_t room = (std::min(photo.width, photo.height) - search.blend_texels) * 5 / 8;
+    const std::int32_t grain =
+        std::min(std::max(tile.side / grains_a_side, least_grain), std::max(4, room / 3));
+    const Segmentation grains =
+        make_patches(tile.colors, std::max(16, tile.side / grain * (tile.side / grain)), search.seed);
     const PlaceSearch places{photo, tile, search.blend_texels / 2};
+    const std::int32_t margin = (grain / 2 + 3) / 4 * 4;
+    // A layer has four patches for ten grains, or fewer; more than are wanted, to choose from
+    const auto patches_a_layer =
+        std::max<std::int32_t>(1, static_cast<std::int32_t>(grains.patches.size()) * 3 / 10);
+    const auto layers = static_cast<std::size_t>(std::max(2, search.patches / patches_a_layer));
+    const std::int32_t largest = std::min(tile.side * 30 / 64, room - 2 * margin) / 8 * 8;
     const LayerSources sources{photo,
                                tile,
+                               grains,
                                places,
                                pull_for(photo),
-                               std::max(8, std::min(tile.side * 5 / 8, room / 2) / 8 * 8),
+                               margin,
+                               std::max(8, largest),
+                               static_cast<std::int32_t>(layers),
                                search.seed,
                                progress.stop()};
-    const auto layers = static_cast<std::size_t>(std::max(2, search.patches / patches_a_layer));
     const auto most = static_cast<std::size_t>(search.patches) * 2 / layers;
     std::vector<std::vector<InterchangePatch>> found(layers);
     std::atomic<std::size_t> done{0};
     for_each_index(layers, search.threads, [&](std::size_t i) {
-        found[i] = make_layer(sources, static_cast<std::int64_t>(i), most);
+        found[i] = make_layer(sources, static_cast<std::int32_t>(i), most);
         progress.advance("patches", static_cast<double>(++done) / static_cast<double>(layers));
     });
     if (progress.stop().stop_requested()) return {};
@@ -72,15 +150,7 @@ std::vector<InterchangePatch> find_library(const PerceptualImage& photo, const Q
                 std::none_of(search.unwanted.begin(), search.unwanted.end(), like_this))
                 library.push_back(std::move(patch));
         }
-    const auto wanted = static_cast<std::size_t>(search.patches);
-    if (library.size() > wanted) {
-        std::vector<std::uint32_t> worst;
-        for (const InterchangePatch& patch : library) worst.push_back(patch.worst);
-        std::nth_element(worst.begin(), worst.begin() + static_cast<std::ptrdiff_t>(wanted - 1), worst.end());
-        const std::uint32_t limit = worst[wanted - 1];
-        std::erase_if(library, [&](const InterchangePatch& patch) { return patch.worst > limit; });
-        library.resize(std::min(library.size(), wanted));
-    }
+    leave_out_worst(library, static_cast<std::size_t>(search.patches), tile.side);
     return library;
 }
 

@@ -48,35 +48,21 @@ Square layers_of(const PerceptualImage& photo, const QuiltedTile& tile, const Pa
     return square;
 }
 
-CutGrid grid_of(const Square& square, const PatchPlace& place, const std::vector<std::uint8_t>& taken,
-                std::int32_t tile_side) {
-    const std::int32_t side = square.side, wrap = tile_side - 1;
+/// The prices of borders.
+CutGrid grid_of(const Square& square) {
+    const std::int32_t side = square.side;
     CutGrid grid{side, side};
-    const auto pulled = [&](std::int32_t by) {
-        return static_cast<std::uint32_t>(std::uint64_t{place.pull} * static_cast<std::uint64_t>(by) / 128);
-    };
-    const auto free = [&](std::int32_t x, std::int32_t y) {
-        if (x == 0 || y == 0 || x == side - 1 || y == side - 1) return false;
-        if (place.in_rhombus && !in_rhombus(place.x + x, place.y + y, tile_side)) return false;
-        const std::int32_t i = ((place.y + y) & wrap) * tile_side + ((place.x + x) & wrap);
-        return taken.empty() || taken[static_cast<std::size_t>(i)] == 0;
-    };
     for (std::int32_t y = 0; y < side; ++y)
         for (std::int32_t x = 0; x < side; ++x) {
             const std::size_t i = grid.index(x, y);
             if (x + 1 < side) grid.right[i] = square.price(i, i + 1);
             if (y + 1 < side) grid.below[i] = square.price(i, i + static_cast<std::size_t>(side));
-            const std::int32_t height = bell(x, y, side);
-            if (!free(x, y))
-                grid.inside[i] = CutGrid::must;
-            else if (height >= 240)
-                grid.outside[i] = CutGrid::must;
-            else if (height > 128)
-                grid.outside[i] = pulled(height - 128);
-            else
-                grid.inside[i] = pulled(128 - height);
         }
     return grid;
+}
+
+bool on_rim(std::int32_t x, std::int32_t y, std::int32_t side) {
+    return x == 0 || y == 0 || x == side - 1 || y == side - 1;
 }
 
 /// Marks what is reached from `start` over texels of `mark` with `to`.
@@ -102,37 +88,25 @@ void fill(Square& square, std::size_t start, std::uint8_t mark, std::uint8_t to)
 
 enum Mark : std::uint8_t { off, on, piece, around };
 
-/// What hangs together with the centre, and its holes filled: both only take borders away.
-void keep_one_piece(Square& square) {
-    fill(square, square.index(square.side / 2, square.side / 2), on, piece);
+/// What hangs together with `start`, and its holes filled: both only take borders away.
+void keep_one_piece(Square& square, std::size_t start) {
+    fill(square, start, on, piece);
     for (std::uint8_t& mark : square.marks)
         if (mark == on) mark = off;
     fill(square, 0, off, around);  // the rim is outside, and hangs together
     for (std::uint8_t& mark : square.marks) mark = mark == around ? off : on;
 }
 
-}  // namespace
-
-std::int32_t bell(std::int32_t x, std::int32_t y, std::int32_t side) noexcept {
-    const std::int64_t across = 2 * x + 1 - side, down = 2 * y + 1 - side;
-    // ln 2 = 11.09 / 16 at the squared radius (3/4 side)², in half texels
-    const std::int64_t u = (across * across + down * down) * 1109 * 16 / (900 * std::int64_t{side} * side);
-    return falling[static_cast<std::size_t>(std::min<std::int64_t>(u, std::ssize(falling) - 1))];
+void take_marks(Square& square, const ShapeCut& cut) {
+    for (std::int32_t y = 0; y < square.side; ++y)
+        for (std::int32_t x = 0; x < square.side; ++x)
+            square.marks[square.index(x, y)] = cut.shape.at(x, y) ? on : off;
 }
 
-InterchangePatch cut_patch(const PerceptualImage& photo, const QuiltedTile& tile,
-                           const std::vector<std::uint8_t>& taken, const PatchPlace& place) {
-    Square square = layers_of(photo, tile, place);
-    const ShapeCut cut = cheapest_shape(grid_of(square, place, taken, tile.side));
+/// The patch that is marked: its box, and what its border costs.
+InterchangePatch patch_of(const Square& square, const PatchPlace& place, std::int32_t tile_side) {
     const std::int32_t side = square.side;
-    for (std::int32_t y = 0; y < side; ++y)
-        for (std::int32_t x = 0; x < side; ++x)
-            square.marks[square.index(x, y)] = cut.shape.at(x, y) ? on : off;
-    keep_one_piece(square);
-
-    // Its box, and what its border costs
     InterchangePatch patch;
-    patch.cost = cut.cost;
     std::int32_t left = side, top = side, right = 0, bottom = 0;
     std::uint64_t sum = 0, pairs = 0;
     const auto border = [&](std::size_t s, std::size_t t) {
@@ -161,14 +135,94 @@ InterchangePatch cut_patch(const PerceptualImage& photo, const QuiltedTile& tile
     patch.width = right - left;
     patch.height = bottom - top;
     patch.at = {place.at.x + left, place.at.y + top};
-    patch.in_rhombus = true;
     patch.shape = BitMask{patch.width, patch.height};
     for (std::int32_t y = top; y < bottom; ++y)
         for (std::int32_t x = left; x < right; ++x)
             if (square.marks[square.index(x, y)] == on) {
                 patch.shape.set(x - left, y - top);
-                patch.in_rhombus &= in_rhombus(place.x + x, place.y + y, tile.side);
+                patch.in_rhombus &= in_rhombus(place.x + x, place.y + y, tile_side);
             }
+    return patch;
+}
+
+}  // namespace
+
+std::int32_t bell(std::int32_t x, std::int32_t y, std::int32_t side) noexcept {
+    const std::int64_t across = 2 * x + 1 - side, down = 2 * y + 1 - side;
+    // ln 2 = 11.09 / 16 at the squared radius (3/4 side)², in half texels
+    const std::int64_t u = (across * across + down * down) * 1109 * 16 / (900 * std::int64_t{side} * side);
+    return falling[static_cast<std::size_t>(std::min<std::int64_t>(u, std::ssize(falling) - 1))];
+}
+
+SquareMarks suggested_shape(const PerceptualImage& photo, const QuiltedTile& tile, const SquareMarks& free,
+                            const PatchPlace& place) {
+    Square square = layers_of(photo, tile, place);
+    CutGrid grid = grid_of(square);
+    const std::int32_t side = square.side, margin = (side - place.core) / 2;
+    const auto pulled = [&](std::int32_t by) {
+        return static_cast<std::uint32_t>(std::uint64_t{place.pull} * static_cast<std::uint64_t>(by) / 128);
+    };
+    for (std::int32_t y = 0; y < side; ++y)
+        for (std::int32_t x = 0; x < side; ++x) {
+            const std::size_t i = grid.index(x, y);
+            const std::int32_t height = bell(x - margin, y - margin, place.core);
+            if (on_rim(x, y, side) || free[i] == 0)
+                grid.inside[i] = CutGrid::must;
+            else if (height >= 240)
+                grid.outside[i] = CutGrid::must;
+            else if (height > 128)
+                grid.outside[i] = pulled(height - 128);
+            else
+                grid.inside[i] = pulled(128 - height);
+        }
+    take_marks(square, cheapest_shape(grid));
+    keep_one_piece(square, square.index(side / 2, side / 2));
+    return std::move(square.marks);
+}
+
+std::vector<std::int32_t> depths(const SquareMarks& marks, std::int32_t side) {
+    std::vector<std::int32_t> depth(marks.size());
+    const auto at = [&](std::int32_t x, std::int32_t y) {
+        if (x < 0 || y < 0 || x >= side || y >= side) return 0;
+        return depth[static_cast<std::size_t>(y) * static_cast<std::size_t>(side) +
+                     static_cast<std::size_t>(x)];
+    };
+    for (const std::int32_t way : {1, -1}) {
+        for (std::int32_t v = 0; v < side; ++v)
+            for (std::int32_t u = 0; u < side; ++u) {
+                const std::int32_t x = way > 0 ? u : side - 1 - u, y = way > 0 ? v : side - 1 - v;
+                const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(side) +
+                               static_cast<std::size_t>(x);
+                if (marks[i] == 0) continue;
+                const std::int32_t straight = std::min(at(x - way, y), at(x, y - way)) + 3;
+                const std::int32_t slanted = std::min(at(x - way, y - way), at(x + way, y - way)) + 4;
+                const std::int32_t here = std::min(straight, slanted);
+                depth[i] = way > 0 ? here : std::min(depth[i], here);
+            }
+    }
+    return depth;
+}
+
+InterchangePatch cut_patch(const PerceptualImage& photo, const QuiltedTile& tile, const SquareMarks& region,
+                           const PatchPlace& place) {
+    Square square = layers_of(photo, tile, place);
+    CutGrid grid = grid_of(square);
+    const std::vector<std::int32_t> depth = depths(region, square.side);
+    const auto deepest = std::max_element(depth.begin(), depth.end());
+    if (*deepest == 0) return {};
+    for (std::size_t i = 0; i < depth.size(); ++i) {
+        if (depth[i] == 0)
+            grid.inside[i] = CutGrid::must;
+        else if (depth[i] * 4 >= *deepest * 3)
+            grid.outside[i] = CutGrid::must;
+        else
+            grid.outside[i] = place.pull * static_cast<std::uint32_t>(std::min(depth[i], 24)) / 12;
+    }
+    const ShapeCut cut = cheapest_shape(grid);
+    take_marks(square, cut);
+    keep_one_piece(square, static_cast<std::size_t>(deepest - depth.begin()));
+    InterchangePatch patch = patch_of(square, place, tile.side);
+    patch.cost = cut.cost;
     return patch;
 }
 

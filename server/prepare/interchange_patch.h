@@ -14,10 +14,9 @@ namespace tessera {
 struct PatchPlace {
     std::int32_t x = 0, y = 0;  ///< Its first texel relative to the tile.
     std::int32_t side = 0;
+    std::int32_t core = 0;     ///< The side of the bell in its middle, at most `side`.
     ExchangeAsset::Offset at;  ///< The photograph's texel that lies on it.
-    bool in_rhombus = true;    ///< Cut at the tile's rhombus.
-    std::uint32_t pull =
-        0;  ///< What a texel in the centre pays for lying outside, one at the rim for lying inside.
+    std::uint32_t pull = 0;    ///< What texels pay for lying on the wrong side.
 };
 
 /// A patch of the photograph that may lie on the tile. Its box fits its shape tightly.
@@ -44,14 +43,24 @@ constexpr bool in_rhombus(std::int32_t x, std::int32_t y, std::int32_t side) noe
 /// the side.
 std::int32_t bell(std::int32_t x, std::int32_t y, std::int32_t side) noexcept;
 
-/// The shape at a place by minimum cut (Kolář et al. 2016, section 4.1). Texels pay a price for lying outside
-/// the patch where the bell is high, and for lying inside where it is low, so that the cut closes round the
-/// centre at about the size that the bell asks for, and takes the way that shows least. (The paper weighs the
-/// cuts themselves by the bell; then the cheapest cuts are those where the weight is least, whatever they
-/// cut.) Texels of the tile marked in `taken` (side², or empty) stay outside. One piece without holes;
-/// without texels if the centre is taken. The square lies in the photograph and its centre in the tile; side
-/// is at least 8.
-InterchangePatch cut_patch(const PerceptualImage& photo, const QuiltedTile& tile,
-                           const std::vector<std::uint8_t>& taken, const PatchPlace& place);
+/// A mark for each texel of a square, in rows.
+using SquareMarks = std::vector<std::uint8_t>;
+
+/// The shape that the texels themselves suggest at a place, by minimum cut (Kolář et al. 2016, section 4.1).
+/// Texels pay for lying outside where the bell is high, and for lying inside where it is low, so that the cut
+/// closes round the centre at about the size that the bell asks for, and takes the way that shows least. (The
+/// paper weighs the cuts themselves by the bell; then the cheapest cuts are those where the weight is least,
+/// whatever they cut.) What is not `free` stays outside. The square lies in the photograph.
+SquareMarks suggested_shape(const PerceptualImage& photo, const QuiltedTile& tile, const SquareMarks& free,
+                            const PatchPlace& place);
+
+/// Cuts a patch out of `region`, which holds the middle of the square and not its rim: the more of it the
+/// better, most of all its depth, as far as the border does not show. One piece without holes. Without texels
+/// if the region is empty.
+InterchangePatch cut_patch(const PerceptualImage& photo, const QuiltedTile& tile, const SquareMarks& region,
+                           const PatchPlace& place);
+
+/// How many texels each marked texel lies inside the marks, in thirds (chamfer 3-4); 0 for others.
+std::vector<std::int32_t> depths(const SquareMarks& marks, std::int32_t side);
 
 }  // namespace tessera

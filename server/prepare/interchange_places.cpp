@@ -53,20 +53,21 @@ PlaceSearch::Window PlaceSearch::everywhere(std::int32_t side) const {
     return {margin_, margin_, photo_.width - side - 2 * margin_ + 1, photo_.height - side - 2 * margin_ + 1};
 }
 
-std::vector<PlaceSearch::RingTexel> PlaceSearch::ring(std::int32_t x, std::int32_t y, std::int32_t side,
-                                                      const std::vector<std::uint8_t>& taken,
-                                                      std::int32_t factor) const {
+std::vector<PlaceSearch::TileTexel> PlaceSearch::compared_texels(std::int32_t x, std::int32_t y,
+                                                                 std::int32_t side,
+                                                                 const std::vector<std::uint8_t>& compared,
+                                                                 std::int32_t factor) const {
     const PerceptualImage& tile = tiles_.at(factor);
     const std::int32_t wrap = tile.width - 1, cells = side / factor;
-    std::vector<RingTexel> texels;
+    std::vector<TileTexel> texels;
     for (std::int32_t v = 0; v < cells; ++v)
         for (std::int32_t u = 0; u < cells; ++u) {
-            const std::int32_t height = bell(u, v, cells);
-            if (height < 70 || height > 190) continue;
-            const std::int32_t middle_x = (x + u * factor + factor / 2) & (tile_.side - 1);
-            const std::int32_t middle_y = (y + v * factor + factor / 2) & (tile_.side - 1);
-            if (!taken.empty() && taken[static_cast<std::size_t>(middle_y * tile_.side + middle_x)] != 0)
-                continue;
+            std::int32_t marked = 0;
+            for (std::int32_t t = 0; t < factor * factor; ++t) {
+                const std::int32_t i = (v * factor + t / factor) * side + u * factor + t % factor;
+                marked += compared[static_cast<std::size_t>(i)] != 0;
+            }
+            if (3 * marked < factor * factor) continue;
             texels.push_back({u, v, tile.at((x / factor + u) & wrap, (y / factor + v) & wrap)});
         }
     return texels;
@@ -83,13 +84,15 @@ bool PlaceSearch::shows_the_same(std::int32_t x, std::int32_t y, std::int32_t si
 }
 
 std::vector<Offset> PlaceSearch::best(std::int32_t x, std::int32_t y, std::int32_t side,
-                                      const std::vector<std::uint8_t>& taken, const Window& window,
+                                      const std::vector<std::uint8_t>& compared, const Band& band,
                                       std::size_t count) const {
     std::int32_t factor = factor_of(side);
+    while (factor > std::max(1, band.rows)) factor /= 2;
+    const Window window = everywhere(side);
     const Reduced& photo = photos_.at(factor);
     // On the grid of reduced texels, of the tile and of the photograph
     const std::int32_t skew_x = x & (factor - 1), skew_y = y & (factor - 1);
-    const std::vector<RingTexel> coarse = ring(x - skew_x, y - skew_y, side, taken, factor);
+    const std::vector<TileTexel> coarse = compared_texels(x - skew_x, y - skew_y, side, compared, factor);
     const auto first_of = [&](std::int32_t from, std::int32_t skew) {
         return (from - skew + factor - 1) / factor;
     };
@@ -104,8 +107,10 @@ std::vector<Offset> PlaceSearch::best(std::int32_t x, std::int32_t y, std::int32
     std::vector<Candidate> found;
     std::vector<std::uint32_t> sums(static_cast<std::size_t>(std::max(columns, 0)));
     for (std::int32_t row = 0; row < rows && columns > 0; ++row) {
+        const std::int32_t displaced = ((top + row) * factor + skew_y - y) & (tile_.side - 1);
+        if (displaced < band.first || displaced >= band.first + band.rows) continue;
         std::fill(sums.begin(), sums.end(), 0);
-        for (const RingTexel& texel : coarse) {
+        for (const TileTexel& texel : coarse) {
             const auto i =
                 static_cast<std::size_t>(top + row + texel.y) * static_cast<std::size_t>(photo.width) +
                 static_cast<std::size_t>(left + texel.x);
@@ -135,24 +140,23 @@ std::vector<Offset> PlaceSearch::best(std::int32_t x, std::int32_t y, std::int32
         if (std::all_of(chosen.begin(), chosen.end(), far_from) && !shows_the_same(x, y, side, found[i].at))
             chosen.push_back(found[i]);
     }
-    const Window all = everywhere(side);
     while (factor > 1) {
         factor /= 2;
         const std::int32_t off_x = x & (factor - 1), off_y = y & (factor - 1);
-        const std::vector<RingTexel> texels = ring(x - off_x, y - off_y, side, taken, factor);
+        const std::vector<TileTexel> texels = compared_texels(x - off_x, y - off_y, side, compared, factor);
         const Reduced& finer = photos_.at(factor);
         for (Candidate& candidate : chosen) {
             const Offset centre = candidate.at;
             candidate.cost = ~std::uint64_t{0};
             for (std::int32_t i = 0; i < 9; ++i) {
                 const Offset at{centre.x + (i % 3 - 1) * factor, centre.y + (i / 3 - 1) * factor};
-                if (at.x < all.left || at.y < all.top || at.x >= all.left + all.width ||
-                    at.y >= all.top + all.height)
+                if (at.x < window.left || at.y < window.top || at.x >= window.left + window.width ||
+                    at.y >= window.top + window.height)
                     continue;
                 const std::int32_t column = (at.x - off_x) / factor, row = (at.y - off_y) / factor;
                 if (at.x < off_x || at.y < off_y) continue;
                 std::uint64_t sum = 0;
-                for (const RingTexel& texel : texels) {
+                for (const TileTexel& texel : texels) {
                     const auto k =
                         static_cast<std::size_t>(row + texel.y) * static_cast<std::size_t>(finer.width) +
                         static_cast<std::size_t>(column + texel.x);

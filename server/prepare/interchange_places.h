@@ -17,32 +17,36 @@ class PlaceSearch {
     /// Squares keep `margin` texels from the photograph's border. Both outlive this.
     PlaceSearch(const PerceptualImage& photo, const QuiltedTile& tile, std::int32_t margin);
 
+    /// Displacements of the photograph against the tile, downwards and modulo the tile's side, that are
+    /// allowed. Whoever looks in bands of their own never finds what others have found.
+    struct Band {
+        std::int32_t first = 0, rows = 0;
+    };
+
+    /// The places in the photograph, displaced as the band allows, where it differs least from the tile at
+    /// the marked texels of the square: at most `count`, at least side / 8 apart, and at least side / 4 from
+    /// where the tile itself shows it. The best first.
+    std::vector<ExchangeAsset::Offset> best(std::int32_t x, std::int32_t y, std::int32_t side,
+                                            const std::vector<std::uint8_t>& compared, const Band& band,
+                                            std::size_t count) const;
+
+  private:
     /// A rectangle of places in the photograph, for the square's first texel.
     struct Window {
         std::int32_t left = 0, top = 0, width = 0, height = 0;
     };
-    /// All places of a square.
     Window everywhere(std::int32_t side) const;
-
-    /// The places in `window` where the photograph differs least from the tile on the ring that a patch's
-    /// border keeps to, at most `count`, at least side / 8 apart, and at least side / 4 from where the tile
-    /// itself shows it. The best first. Texels of the tile marked in `taken` (its side², or empty) do not
-    /// count.
-    std::vector<ExchangeAsset::Offset> best(std::int32_t x, std::int32_t y, std::int32_t side,
-                                            const std::vector<std::uint8_t>& taken, const Window& window,
-                                            std::size_t count) const;
-
-  private:
     struct Reduced {
         std::int32_t width = 0, height = 0;
         std::vector<std::int16_t> lightness, green_red, blue_yellow;
     };
-    struct RingTexel {
+    struct TileTexel {
         std::int32_t x = 0, y = 0;
         PerceptualColor color;
     };
-    std::vector<RingTexel> ring(std::int32_t x, std::int32_t y, std::int32_t side,
-                                const std::vector<std::uint8_t>& taken, std::int32_t factor) const;
+    std::vector<TileTexel> compared_texels(std::int32_t x, std::int32_t y, std::int32_t side,
+                                           const std::vector<std::uint8_t>& compared,
+                                           std::int32_t factor) const;
     bool shows_the_same(std::int32_t x, std::int32_t y, std::int32_t side,
                         const ExchangeAsset::Offset& at) const;
 
