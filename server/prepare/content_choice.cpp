@@ -6,9 +6,11 @@
 namespace tessera {
 namespace {
 
-/// What a repetition of one (a plain periodic tile's) costs in seams: as if along all of them so many times
-/// the photograph's mean gradient was seen.
-constexpr int repetition_weight = 24;
+/// See ChoiceScale::repetition_weight; what fits most photographs about.
+constexpr int first_repetition_weight = 24;
+/// The part of it that counts when contents are chosen: shapes can make up for repetition later, not for bad
+/// seams.
+constexpr int choice_percent = 25;
 /// The part of a patch's depth, in percent from its border, in which cuts may run.
 constexpr int free_depth = 60;
 
@@ -16,6 +18,7 @@ constexpr int free_depth = 60;
 
 ChoiceScale::ChoiceScale(const PerceptualImage& photo, const Segmentation& segmentation, std::int32_t wanted)
     : contents{wanted}, texels{std::ssize(segmentation.labels)} {
+    repetition_weight = 16 * first_repetition_weight;
     std::int64_t lightness = 0, squares = 0, distances = 0, pairs = 0;
     for (const PerceptualColor& color : photo.colors) {
         lightness += color.lightness;
@@ -40,6 +43,19 @@ ChoiceScale::ChoiceScale(const PerceptualImage& photo, const Segmentation& segme
             borders += (label(x, y) != label(x + 1, y) ? 1 : 0) + (label(x, y) != label(x, y + 1) ? 1 : 0);
 }
 
+void ShownSum::add(const ShownSum& other) {
+    texels += other.texels;
+    sum += other.sum;
+    squares += other.squares;
+    squared_means += other.squared_means;
+}
+
+std::int64_t ShownSum::repetition() const {
+    const std::int64_t mean = sum / texels;
+    return 10000 * (squared_means / texels - mean * mean) /
+           std::max<std::int64_t>(1, squares / texels - mean * mean);
+}
+
 PatchContents::PatchContents(PatchGround ground, const PerceptualImage& photo, const ChoiceScale& scale)
     : ground_{std::move(ground)}, photo_{&photo}, scale_{&scale}, tile_(ground_.depths.size()) {
     for (std::int32_t y = 0; y < ground_.height; ++y)
@@ -56,7 +72,7 @@ PatchContents::PatchContents(PatchGround ground, const PerceptualImage& photo, c
 /// Repetition is the squared mean over contents, summed over texels, in parts of the variance; seams are a
 /// mean over all borders.
 std::int64_t PatchContents::repetition(std::int64_t product, std::int64_t shown) const {
-    const std::int64_t weight = repetition_weight * scale_->gradient * scale_->borders;
+    const std::int64_t weight = scale_->repetition_weight * scale_->gradient * scale_->borders / 16;
     return 2 * weight * (product / shown) / (scale_->texels * scale_->variance / 1024) / 1024;
 }
 
@@ -83,8 +99,8 @@ void PatchContents::add_candidate(ExchangeAsset::Offset at) {
     // As much for each texel as it would be if the others left the tile a third of them
     const auto usual = static_cast<std::int32_t>(repetition(scale_->variance * 64, 3) / 64);
     const std::vector<std::int32_t> prices(tile_.size(), std::max(1, usual));
-    ShapedContent content{at, cut_content(ground_, *photo_, at, ground_.deepest * free_depth / 100,
-                                          static_cast<std::uint32_t>(scale_->gradient), prices)};
+    ShapedContent content{
+        at, cut_content(ground_, *photo_, at, ground_.deepest * free_depth / 100, scale_->usual(), prices)};
     seams_.push_back(static_cast<std::int64_t>(sum_seam(ground_, *photo_, at, content.shape).distances));
     candidate_deviations_.push_back(deviations(content));
     candidates_.push_back(std::move(content));
@@ -93,7 +109,7 @@ void PatchContents::add_candidate(ExchangeAsset::Offset at) {
 bool PatchContents::take_best(std::int32_t distance, const PhotoUses& uses) {
     std::size_t best = candidates_.size();
     std::int64_t best_price = 0;
-    const std::int64_t shown = std::ssize(chosen_) + 1;
+    const std::int64_t shown = scale_->contents + 1;
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
         const auto at = candidates_[i].at;
         if (std::any_of(chosen_.begin(), chosen_.end(),
@@ -120,6 +136,21 @@ bool PatchContents::take_best(std::int32_t distance, const PhotoUses& uses) {
     return true;
 }
 
+ShownSum PatchContents::shown() const {
+    ShownSum shown;
+    const std::int64_t contents = std::ssize(chosen_) + 1;
+    for (std::size_t i = 0; i < sums_.size(); ++i) {
+        if (ground_.depths[i] == 0) continue;
+        shown.texels += contents;
+        shown.sum += sums_[i];
+        shown.squared_means += std::int64_t{sums_[i]} * sums_[i] / contents;
+        shown.squares += std::int64_t{tile_[i]} * tile_[i];
+        for (const Deviations& content : chosen_deviations_)
+            shown.squares += std::int64_t{content[i]} * content[i];
+    }
+    return shown;
+}
+
 void PatchContents::recut() {
     std::vector<std::int32_t> prices(tile_.size());
     const std::int64_t shown = std::ssize(chosen_) + 1;
@@ -136,7 +167,7 @@ void PatchContents::recut() {
                     repetition(64 * sums_[i] * exchanged, shown) / 64, -20000, 20000));
             }
         content.shape = cut_content(ground_, *photo_, content.at, ground_.deepest * free_depth / 100,
-                                    static_cast<std::uint32_t>(scale_->gradient), prices);
+                                    scale_->usual(), prices);
         chosen_deviations_[c] = deviations(content);
         add_to_sums(chosen_deviations_[c], 1);
     }

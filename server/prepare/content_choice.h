@@ -22,8 +22,27 @@ struct ChoiceScale {
     std::int64_t gradient = 1;        ///< Its mean color_distance() of neighbours.
     std::int64_t borders = 1;         ///< Of the patch map: neighbours of different patches.
     std::int64_t texels = 1;          ///< Of the tile.
+    /// What a repetition of one (a plain periodic tile's) costs in seams: as if along all of them so many
+    /// 16ths of the mean gradient more were seen.
+    std::int64_t repetition_weight = 0;
 
+    /// What along a border is no more than happens inside the photograph.
+    std::uint32_t usual() const { return static_cast<std::uint32_t>(gradient * 3 / 2); }
     ChoiceScale(const PerceptualImage& photo, const Segmentation& segmentation, std::int32_t wanted);
+};
+
+/// What patches show, texel by texel as deviations of lightness from the photograph's mean.
+struct ShownSum {
+    std::int64_t texels = 0;  ///< Of patches, each counted once for each content.
+    std::int64_t sum = 0;
+    std::int64_t squares = 0;
+    std::int64_t squared_means =
+        0;  ///< The squares of the means over all contents, as often as there are contents.
+
+    void add(const ShownSum& other);
+    /// The variance of the mean over all contents in parts of the variance of what is shown, in 10000ths: how
+    /// much of the picture is the same in every period.
+    std::int64_t repetition() const;
 };
 
 /// One patch: its candidates with their shapes, and the contents chosen of them. The smallest sum of two
@@ -41,6 +60,7 @@ class PatchContents {
     /// Cuts each content's shape again, now that the others are known.
     void recut();
 
+    ShownSum shown() const;
     const std::vector<ShapedContent>& contents() const { return chosen_; }
 
   private:

@@ -9,6 +9,11 @@ namespace {
 
 using Offset = ExchangeAsset::Offset;
 
+/// What a border costs where both sides are the patch's own, in quarters, and where it is the patch's own
+/// border, on which the neighbours' contents may be met instead of the tile.
+constexpr int inner_weight = 4;
+constexpr int rim_weight = 6;
+
 /// The photograph moved onto the box. One texel around the box it may have ended.
 class MovedPhoto {
   public:
@@ -170,9 +175,11 @@ BitMask cut_content(const PatchGround& ground, const PerceptualImage& photo, Off
                          std::vector<std::uint32_t>& borders) {
         const bool here = ground.holds(x, y), there = ground.holds(to_x, to_y);
         if ((!here && !there) || (in_core(x, y) && in_core(to_x, to_y))) return;
+        const auto weight = static_cast<std::uint32_t>(here && there ? inner_weight : rim_weight);
         const std::size_t first = cut.index(x, y), second = cut.index(to_x, to_y);
-        cut.add_border(first, second, borders, here ? price(moved.at(x, y), ground.tile_at(to_x, to_y)) : 0,
-                       there ? price(ground.tile_at(x, y), moved.at(to_x, to_y)) : 0);
+        cut.add_border(first, second, borders,
+                       here ? weight * price(moved.at(x, y), ground.tile_at(to_x, to_y)) / inner_weight : 0,
+                       there ? weight * price(ground.tile_at(x, y), moved.at(to_x, to_y)) / inner_weight : 0);
     };
     for (std::int32_t y = -1; y <= height; ++y)
         for (std::int32_t x = -1; x <= width; ++x) {

@@ -35,10 +35,10 @@ PatchGround make_patch_ground(const PerceptualImage& tile, const Segmentation& s
 
 /// The shape in which a place of the photograph is best shown on a patch: the cheapest cut between it and the
 /// tile, inside the patch; texels deeper than `core` are always in. The cut's price is the sum of what will
-/// be seen along it, in color_distance()s beyond `usual`. (Kwatra et al., "Graphcut textures", ACM TOG 22(3),
-/// 2003, sum how the images differ on both sides instead; that a colour meets the like of it is enough, and
-/// finds a third less to be seen.) `tile_prices`: for each texel of the box what it costs to leave it to the
-/// tile, of any sign. The box at `at` is in the photograph.
+/// be seen along it, in color_distance()s, of which only what is beyond `usual` counts in full. (Kwatra et
+/// al., "Graphcut textures", ACM TOG 22(3), 2003, sum how the images differ on both sides instead; that a
+/// colour meets the like of it is enough, and finds a third less to be seen.) `tile_prices`: for each texel
+/// of the box what it costs to leave it to the tile, of any sign. The box at `at` is in the photograph.
 BitMask cut_content(const PatchGround& ground, const PerceptualImage& photo, ExchangeAsset::Offset at,
                     std::int32_t core, std::uint32_t usual, const std::vector<std::int32_t>& tile_prices);
 

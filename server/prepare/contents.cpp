@@ -1,11 +1,22 @@
 #include "server/prepare/contents.h"
 
+#include <algorithm>
 #include <atomic>
 
 #include "server/prepare/candidate_search.h"
 #include "server/prepare/parallel.h"
 
 namespace tessera {
+namespace {
+
+/// So many are cut for each that is chosen.
+constexpr int candidates_for_each = 2;
+/// How often the chosen ones are cut again.
+constexpr int recuts = 3;
+/// The part of the repetition that is tolerated, 1 / contents + 3 %, that is aimed at.
+constexpr int repetition_percent = 85;
+
+}  // namespace
 
 std::vector<std::vector<ShapedContent>> find_contents(const PerceptualImage& photo,
                                                       const PerceptualImage& tile_colors,
@@ -16,12 +27,12 @@ std::vector<std::vector<ShapedContent>> find_contents(const PerceptualImage& pho
     const auto wanted = static_cast<std::size_t>(search.contents);
     const std::vector<std::vector<Candidate>> candidates =
         find_candidates(photo, tile_colors, tile, segmentation,
-                        {2 * wanted, search.blend_texels, search.threads,
+                        {candidates_for_each * wanted, search.blend_texels, search.threads,
                          [&](double done) { progress.advance("contents", 0.3 * done); }},
                         progress);
 
-    // Cut them, choose, and cut the chosen ones again in view of each other
-    const ChoiceScale scale{photo, segmentation, search.contents};
+    // Cut them, and choose
+    ChoiceScale scale{photo, segmentation, search.contents};
     std::vector<PatchContents> contents;
     for (std::size_t patch = 0; patch < count; ++patch)
         contents.emplace_back(make_patch_ground(tile_colors, segmentation, patch), photo, scale);
@@ -35,7 +46,7 @@ std::vector<std::vector<ShapedContent>> find_contents(const PerceptualImage& pho
             if (progress.stop().stop_requested()) return;
             contents[patch].add_candidate(candidate.at);
         }
-        advance(0.3, 0.7);
+        advance(0.3, 0.65);
     });
     PhotoUses uses{photo};
     for (std::int32_t round = 0; round < search.contents; ++round)
@@ -45,12 +56,24 @@ std::vector<std::vector<ShapedContent>> find_contents(const PerceptualImage& pho
             if (contents[p].take_best(distinct_distance(box), uses))
                 uses.add(contents[p].contents().back().at, box.width, box.height);
         }
-    done = 0;
-    for_each_index(count, search.threads, [&](std::size_t patch) {
-        if (progress.stop().stop_requested()) return;
-        contents[patch].recut();
-        advance(0.7, 1);
-    });
+    // Cut them again in view of each other, and weigh repetition against seams until as little repeats as
+    // should
+    const std::int64_t aim = repetition_percent * (10000 / search.contents + 300) / 100;
+    for (int pass = 0; pass < recuts; ++pass) {
+        done = 0;
+        for_each_index(count, search.threads, [&](std::size_t patch) {
+            if (progress.stop().stop_requested()) return;
+            contents[patch].recut();
+            const double step = 0.35 / recuts;
+            advance(0.65 + step * pass, 0.65 + step * (pass + 1));
+        });
+        ShownSum shown;
+        for (const PatchContents& patch : contents) shown.add(patch.shown());
+        const std::int64_t repetition = shown.repetition();
+        scale.repetition_weight = std::clamp(scale.repetition_weight * repetition * repetition / (aim * aim),
+                                             std::max<std::int64_t>(16, scale.repetition_weight / 4),
+                                             std::min<std::int64_t>(16 * 256, 4 * scale.repetition_weight));
+    }
     std::vector<std::vector<ShapedContent>> found;
     for (const PatchContents& patch : contents) found.push_back(patch.contents());
     return found;

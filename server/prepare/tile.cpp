@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cstdlib>
 #include <limits>
 #include <numeric>
 #include <tuple>
 
 #include "server/prepare/parallel.h"
+#include "server/prepare/torus_cut.h"
 
 namespace tessera {
 namespace {
@@ -55,16 +55,15 @@ CutCosts make_costs(std::int32_t lines, std::int32_t positions, const Differ& di
 }
 
 /// The cheapest cut from the first line to the last that moves by at most one position a line (Efros,
-/// Freeman, "Image quilting", SIGGRAPH 2001), by dynamic programming. If `start` is given, the cut begins
-/// there and ends within one position of it.
-Cut cheapest_cut(const CutCosts& costs, std::int32_t start = -1) {
+/// Freeman, "Image quilting", SIGGRAPH 2001), by dynamic programming: quick, and never much cheaper than a
+/// cut that may run anywhere.
+Cut cheapest_cut(const CutCosts& costs) {
     const std::int32_t first = 1, last = costs.positions - 1;
     std::vector<std::uint64_t> sums(static_cast<std::size_t>(costs.positions), unreachable);
     std::vector<std::uint64_t> next = sums;
     std::vector<std::int8_t> steps(static_cast<std::size_t>(costs.lines) *
                                    static_cast<std::size_t>(costs.positions));
-    for (std::int32_t p = first; p <= last; ++p)
-        if (start < 0 || p == start) sums[static_cast<std::size_t>(p)] = costs.at(0, p);
+    for (std::int32_t p = first; p <= last; ++p) sums[static_cast<std::size_t>(p)] = costs.at(0, p);
     for (std::int32_t line = 1; line < costs.lines; ++line) {
         std::int8_t* step =
             steps.data() + static_cast<std::size_t>(line) * static_cast<std::size_t>(costs.positions);
@@ -87,7 +86,7 @@ Cut cheapest_cut(const CutCosts& costs, std::int32_t start = -1) {
     Cut cut;
     std::int32_t end = first;
     for (std::int32_t p = first; p <= last; ++p)
-        if ((start < 0 || std::abs(p - start) <= 1) && sums[static_cast<std::size_t>(p)] < cut.cost) {
+        if (sums[static_cast<std::size_t>(p)] < cut.cost) {
             cut.cost = sums[static_cast<std::size_t>(p)];
             end = p;
         }
@@ -98,14 +97,6 @@ Cut cheapest_cut(const CutCosts& costs, std::int32_t start = -1) {
                      static_cast<std::size_t>(end)];
     }
     return cut;
-}
-
-/// The cheapest cut whose end meets its beginning: a loop around the torus.
-Cut cheapest_loop(const CutCosts& costs) {
-    Cut best;
-    for (std::int32_t start = 1; start < costs.positions; ++start)
-        if (Cut cut = cheapest_cut(costs, start); cut.cost < best.cost) best = std::move(cut);
-    return best;
 }
 
 /// The first cut's zone runs down the left side, the second's across the top of what the first one leaves.
@@ -121,9 +112,8 @@ std::int32_t source_x(const Cut& left, Place place, std::int32_t side, std::int3
 }
 
 /// The tile's left `overlap` columns show what lies right of it in the photograph, up to a cut; then its
-/// upper rows, of that, what lies below, up to a cut that closes on itself if `closed`.
-Cuts make_cuts(const PerceptualImage& photo, Place place, std::int32_t side, std::int32_t overlap,
-               bool closed) {
+/// upper rows, of that, what lies below. What the best cuts cost tells good places from bad ones.
+Cuts make_cuts(const PerceptualImage& photo, Place place, std::int32_t side, std::int32_t overlap) {
     Cuts cuts;
     const CutCosts across =
         make_costs(side + overlap, overlap, [&](std::int32_t line, std::int32_t position) {
@@ -136,7 +126,7 @@ Cuts make_cuts(const PerceptualImage& photo, Place place, std::int32_t side, std
         return difference(photo.at(source_x(cuts.left, place, side, x, position), place.y + position),
                           photo.at(source_x(cuts.left, place, side, x, below), place.y + below));
     });
-    cuts.top = closed ? cheapest_loop(down) : cheapest_cut(down);
+    cuts.top = cheapest_cut(down);
 
     // Of the first cut only the lines that the tile shows
     cuts.seam_cost = cuts.top.cost;
@@ -149,17 +139,6 @@ Cuts make_cuts(const PerceptualImage& photo, Place place, std::int32_t side, std
             sum += static_cast<std::uint64_t>(difference(photo.at(x, y), photo.at(x + 1, y + 1)));
     cuts.activity += sum / (static_cast<std::uint64_t>(side) * static_cast<std::uint64_t>(side));
     return cuts;
-}
-
-PeriodicTile put_together(const Cuts& cuts, Place place, std::int32_t side, std::int32_t overlap) {
-    PeriodicTile tile{side, overlap, {}, cuts.seam_cost};
-    tile.sources.reserve(static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
-    for (std::int32_t y = 0; y < side; ++y)
-        for (std::int32_t x = 0; x < side; ++x) {
-            const std::int32_t line = y < cuts.top.at[static_cast<std::size_t>(x)] ? y + side : y;
-            tile.sources.push_back({source_x(cuts.left, place, side, x, line), place.y + line});
-        }
-    return tile;
 }
 
 /// Places on a grid all over the photograph.
@@ -182,39 +161,48 @@ PeriodicTile make_tile(const PerceptualImage& photo, std::int32_t side, std::siz
     const std::vector<Place> places =
         make_places(photo.width - side - overlap, photo.height - side - overlap);
 
-    // Loops cost a hundred times what open cuts do, and hardly more than them: only the best places get one
+    // Minimum cuts take far longer, and cost hardly less: only the best places get them
     std::vector<Cuts> cuts(places.size());
     std::vector<std::size_t> order(places.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     const std::size_t finalists = std::min<std::size_t>(places.size(), 6);
     std::atomic<std::size_t> done{0};
-    const auto cut = [&](std::size_t i, bool closed) {
-        if (progress.stop().stop_requested()) return;
-        cuts[i] = make_cuts(photo, places[i], side, overlap, closed);
+    const auto advance = [&] {
         progress.advance("tile",
                          static_cast<double>(++done) / static_cast<double>(places.size() + finalists));
     };
-    for_each_index(places.size(), threads, [&](std::size_t i) { cut(i, false); });
+    for_each_index(places.size(), threads, [&](std::size_t i) {
+        if (progress.stop().stop_requested()) return;
+        cuts[i] = make_cuts(photo, places[i], side, overlap);
+        advance();
+    });
 
     // What is cheap to cut and neither duller nor busier than the photograph: in its flat corners all is
     // cheap
     std::uint64_t usual = 0;
     for (const Cuts& tried : cuts) usual += tried.activity;
     usual /= cuts.size();
-    const auto price = [&](std::size_t i) {
+    const auto price = [&](std::uint64_t seam_cost, std::size_t i) {
         const std::uint64_t most = std::max(cuts[i].activity, usual),
                             least = std::min(cuts[i].activity, usual);
-        return cuts[i].seam_cost * (256 * most / least);
+        return seam_cost * (256 * most / std::max<std::uint64_t>(1, least));
     };
-    const auto cheaper = [&](std::size_t a, std::size_t b) {
-        return std::tuple{price(a), a} < std::tuple{price(b), b};
-    };
-    std::sort(order.begin(), order.end(), cheaper);
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        return std::tuple{price(cuts[a].seam_cost, a), a} < std::tuple{price(cuts[b].seam_cost, b), b};
+    });
     order.resize(finalists);
-    for_each_index(finalists, threads, [&](std::size_t i) { cut(order[i], true); });
+    std::vector<PeriodicTile> tiles(finalists);
+    for_each_index(finalists, threads, [&](std::size_t i) {
+        if (progress.stop().stop_requested()) return;
+        const Place place = places[order[i]];
+        tiles[i] = cut_on_torus(photo, {place.x, place.y}, side, overlap, cuts[order[i]].top.at.front());
+        advance();
+    });
     if (progress.stop().stop_requested()) return {};
-    const std::size_t best = *std::min_element(order.begin(), order.end(), cheaper);
-    return put_together(cuts[best], places[best], side, overlap);
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < finalists; ++i)
+        if (price(tiles[i].seam_cost, order[i]) < price(tiles[best].seam_cost, order[best])) best = i;
+    return std::move(tiles[best]);
 }
 
 Rgb8Image cut_out(const Rgb8Image& photo, const PeriodicTile& tile) {

@@ -20,7 +20,8 @@ struct PeriodicTile {
     std::int32_t side = 0;
     std::int32_t overlap = 0;         ///< Texels along which opposite sides were laid over each other.
     std::vector<PhotoPoint> sources;  ///< side×side: where each texel is from.
-    std::uint64_t seam_cost = 0;      ///< Summed differences over the cuts; see tile.cpp.
+    std::uint64_t seam_cost =
+        0;  ///< Summed color_distance()s of what was laid over each other, along the cuts.
 };
 
 /// The least overlap that a tile of `side` texels is cut with; the photograph is larger than the tile by it.

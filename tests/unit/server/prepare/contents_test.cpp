@@ -88,33 +88,6 @@ TEST(Contents, lie_inside_the_photograph_apart_from_each_other_and_from_the_tile
     }
 }
 
-TEST(Contents, meet_the_tile_more_quietly_than_without_cuts) {
-    const Fixture made;
-    SilentProgress progress;
-    const auto found =
-        find_contents(made.colors, made.tile_colors, made.tile, made.segmentation, {8, 4, 2}, progress);
-    SeamSum cut, uncut;
-    for (std::size_t p = 0; p < found.size(); ++p) {
-        const PatchGround ground = make_patch_ground(made.tile_colors, made.segmentation, p);
-        BitMask whole{ground.width, ground.height};
-        for (std::int32_t y = 0; y < ground.height; ++y)
-            for (std::int32_t x = 0; x < ground.width; ++x)
-                if (ground.holds(x, y)) whole.set(x, y);
-        for (const ShapedContent& content : found[p]) {
-            const SeamSum own = sum_seam(ground, made.colors, content.at, content.shape);
-            const SeamSum all = sum_seam(ground, made.colors, content.at, whole);
-            cut.distances += own.distances;
-            cut.pairs += own.pairs;
-            uncut.distances += all.distances;
-            uncut.pairs += all.pairs;
-        }
-    }
-    const auto gradient = static_cast<double>(ChoiceScale{made.colors, made.segmentation, 8}.gradient);
-    const double seen = static_cast<double>(cut.distances) / static_cast<double>(cut.pairs) / gradient;
-    const double unseen = static_cast<double>(uncut.distances) / static_cast<double>(uncut.pairs) / gradient;
-    EXPECT_LT(seen, 0.9 * unseen) << "against " << unseen;
-}
-
 TEST(Contents, together_show_most_of_the_photograph) {
     const Fixture made;
     SilentProgress progress;

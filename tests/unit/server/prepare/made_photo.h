@@ -47,4 +47,23 @@ inline Rgb8Image made_photo(std::int32_t width, std::int32_t height, std::uint64
     return image;
 }
 
+/// Fine grains of many greys, each some `grain` texels wide, without edges: what is easy to prepare.
+inline Rgb8Image made_gravel(std::int32_t width, std::int32_t height, std::int32_t grain = 4) {
+    constexpr std::uint64_t greys = stream("greys");
+    Rgb8Image image{width, height, {}};
+    const auto corner = [&](std::int32_t x, std::int32_t y) {
+        return static_cast<std::int32_t>(hash(7, greys, x, y) % 180);
+    };
+    for (std::int32_t y = 0; y < height; ++y)
+        for (std::int32_t x = 0; x < width; ++x) {
+            const std::int32_t i = x / grain, j = y / grain, u = x % grain, v = y % grain;
+            const std::int32_t above = corner(i, j) * (grain - u) + corner(i + 1, j) * u;
+            const std::int32_t below = corner(i, j + 1) * (grain - u) + corner(i + 1, j + 1) * u;
+            const auto grey =
+                static_cast<std::uint8_t>(40 + (above * (grain - v) + below * v) / (grain * grain));
+            image.bytes.insert(image.bytes.end(), {grey, grey, static_cast<std::uint8_t>(grey - 20)});
+        }
+    return image;
+}
+
 }  // namespace tessera::test
