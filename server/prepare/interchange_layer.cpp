@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 
 #include "shared/math/hash.h"
 
@@ -11,7 +12,12 @@ namespace {
 constexpr std::uint64_t layer_stream = stream("interchange layer");
 
 /// How many contents are cut for each patch, to choose the cheapest.
-constexpr std::size_t cuts = 20;
+constexpr std::size_t cuts = 10, tried_again = 3;
+
+/// What a border may show, against the photograph's own steps from texel to texel, and how often it is tried
+/// to get there.
+constexpr std::uint32_t most_gradient_percent = 115;
+constexpr int rounds = 3;
 
 /// What is left of a region is not worth a patch below this.
 constexpr std::int32_t least_texels = 24;
@@ -154,6 +160,39 @@ SquareMarks band_of(const SquareMarks& region, std::int32_t side) {
     return band;
 }
 
+/// The cheapest of some patches of a region. Small ones fill their grains; the longer a border, the harder it
+/// is to hide, so the less it is pulled outwards; and less still where it shows more than the photograph's
+/// own texels do.
+InterchangePatch best_cut(const LayerSources& sources, const SquareMarks& region, PatchPlace place,
+                          const PlaceSearch::Band& band) {
+    const auto unit = static_cast<std::uint32_t>(sources.tile.side * 3 / 32);
+    place.pull = sources.gradient * 3 * unit / (static_cast<std::uint32_t>(place.core) + unit);
+    auto offsets = sources.places.best(place.x, place.y, place.side, band_of(region, place.side), band, cuts);
+    InterchangePatch best;
+    for (int round = 0; round < rounds; ++round) {
+        std::vector<InterchangePatch> found;
+        for (const auto& at : offsets) {
+            place.at = at;
+            found.push_back(cut_patch(sources.photo, sources.tile, region, place));
+        }
+        std::vector<std::size_t> order(found.size());
+        std::iota(order.begin(), order.end(), std::size_t{0});
+        std::erase_if(order, [&](std::size_t i) { return found[i].texels == 0; });
+        std::stable_sort(order.begin(), order.end(),
+                         [&](std::size_t a, std::size_t b) { return found[a].cost < found[b].cost; });
+        if (order.empty()) break;
+        best = found[order[0]];
+        if (best.gradient * 100 <= sources.gradient * most_gradient_percent) break;
+        // Those that came close get another try
+        std::vector<ExchangeAsset::Offset> closest;
+        for (const std::size_t i : order)
+            if (closest.size() < tried_again) closest.push_back(offsets[i]);
+        offsets = std::move(closest);
+        place.pull /= 2;
+    }
+    return best;
+}
+
 }  // namespace
 
 std::vector<InterchangePatch> make_layer(const LayerSources& sources, std::int32_t number, std::size_t most) {
@@ -173,7 +212,7 @@ std::vector<InterchangePatch> make_layer(const LayerSources& sources, std::int32
         place.side = place.core + 2 * sources.margin;
         place.x = gap.x - place.side / 2;
         place.y = gap.y - place.side / 2;
-        place.pull = 2 * sources.pull;
+        place.pull = 2 * sources.gradient;
         const GrainSquare square{sources, gaps, place};
 
         // The grains that the best place suggests; then the best places for these grains
@@ -185,17 +224,7 @@ std::vector<InterchangePatch> make_layer(const LayerSources& sources, std::int32
             suggested = suggested_shape(sources.photo, sources.tile, square.free, place);
         }
         const SquareMarks region = square.whole_grains(suggested);
-        // Small ones fill their grains; the longer a border, the harder it is to hide
-        const auto unit = static_cast<std::uint32_t>(sources.tile.side * 3 / 32),
-                   core = static_cast<std::uint32_t>(place.core);
-        place.pull = sources.pull * 3 * unit / (core + unit);
-        InterchangePatch best;
-        for (const auto& at :
-             sources.places.best(place.x, place.y, place.side, band_of(region, place.side), band, cuts)) {
-            place.at = at;
-            InterchangePatch patch = cut_patch(sources.photo, sources.tile, region, place);
-            if (patch.texels > 0 && (best.texels == 0 || patch.cost < best.cost)) best = std::move(patch);
-        }
+        InterchangePatch best = best_cut(sources, region, place, band);
         gaps.take(region, place.x, place.y, place.side);
         gaps.take(gap.x, gap.y);
         if (best.texels >= least_texels) layer.push_back(std::move(best));

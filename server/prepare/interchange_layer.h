@@ -16,10 +16,10 @@ struct LayerSources {
     const QuiltedTile& tile;
     const Segmentation& grains;  ///< Of the tile: see make_layer().
     const PlaceSearch& places;
-    std::uint32_t pull = 0;    ///< See PatchPlace.
-    std::int32_t margin = 0;   ///< About the radius of a grain, a multiple of 4.
-    std::int32_t largest = 0;  ///< Core of the largest square, a multiple of 8.
-    std::int32_t layers = 1;   ///< How many there will be.
+    std::uint32_t gradient = 0;  ///< The photograph's mean step from texel to texel, as distance() has it.
+    std::int32_t margin = 0;     ///< About the radius of a grain, a multiple of 4.
+    std::int32_t largest = 0;    ///< Core of the largest square, a multiple of 8.
+    std::int32_t layers = 1;     ///< How many there will be.
     std::uint64_t seed = 1;
     std::stop_token stop;
 };

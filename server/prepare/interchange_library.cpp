@@ -33,15 +33,14 @@ bool alike(const InterchangePatch& a, const InterchangePatch& b, std::int32_t ti
     return both * 4 > std::min(a.texels, b.texels);
 }
 
-/// What texels pay, from what the photograph's own texels differ by: the more, the closer patches lie
-/// together and the more their borders show.
-std::uint32_t pull_for(const PerceptualImage& photo) {
+/// The mean step from texel to texel.
+std::uint32_t mean_gradient(const PerceptualImage& photo) {
     std::uint64_t sum = 0, pairs = 0;
     for (std::int32_t y = 0; y + 1 < photo.height; ++y)
         for (std::int32_t x = 0; x + 1 < photo.width; ++x, pairs += 2)
             sum +=
                 distance(photo.at(x, y), photo.at(x + 1, y)) + distance(photo.at(x, y), photo.at(x, y + 1));
-    return static_cast<std::uint32_t>(std::max<std::uint64_t>(sum * 13 / pairs / 16, 16));
+    return static_cast<std::uint32_t>(std::max<std::uint64_t>(sum / pairs, 16));
 }
 
 /// How many patches lie on each texel of the tile.
@@ -114,16 +113,16 @@ std::vector<InterchangePatch> find_library(const PerceptualImage& photo, const Q
         make_patches(tile.colors, std::max(16, tile.side / grain * (tile.side / grain)), search.seed);
     const PlaceSearch places{photo, tile, search.blend_texels / 2};
     const std::int32_t margin = (grain / 2 + 3) / 4 * 4;
-    // A layer has four patches for ten grains, or fewer; more than are wanted, to choose from
+    // A layer has about four patches for ten grains
     const auto patches_a_layer =
-        std::max<std::int32_t>(1, static_cast<std::int32_t>(grains.patches.size()) * 3 / 10);
+        std::max<std::int32_t>(1, static_cast<std::int32_t>(grains.patches.size()) * 2 / 5);
     const auto layers = static_cast<std::size_t>(std::max(2, search.patches / patches_a_layer));
     const std::int32_t largest = std::min(tile.side * 30 / 64, room - 2 * margin) / 8 * 8;
     const LayerSources sources{photo,
                                tile,
                                grains,
                                places,
-                               pull_for(photo),
+                               mean_gradient(photo),
                                margin,
                                std::max(8, largest),
                                static_cast<std::int32_t>(layers),

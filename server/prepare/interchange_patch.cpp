@@ -108,12 +108,14 @@ InterchangePatch patch_of(const Square& square, const PatchPlace& place, std::in
     const std::int32_t side = square.side;
     InterchangePatch patch;
     std::int32_t left = side, top = side, right = 0, bottom = 0;
-    std::uint64_t sum = 0, pairs = 0;
+    std::uint64_t sum = 0, steps = 0, pairs = 0;
     const auto border = [&](std::size_t s, std::size_t t) {
         if (square.marks[s] == square.marks[t]) return;
         const std::uint32_t price = square.price(s, t);
         patch.worst = std::max(patch.worst, price);
         sum += price;
+        steps += square.marks[s] == on ? distance(square.photo[s], square.tile[t])
+                                       : distance(square.photo[t], square.tile[s]);
         ++pairs;
     };
     for (std::int32_t y = 0; y < side; ++y)
@@ -130,6 +132,7 @@ InterchangePatch patch_of(const Square& square, const PatchPlace& place, std::in
         }
     if (patch.texels == 0) return patch;
     patch.mean = static_cast<std::uint32_t>(sum / std::max<std::uint64_t>(pairs, 1));
+    patch.gradient = static_cast<std::uint32_t>(steps / std::max<std::uint64_t>(pairs, 1));
     patch.x = place.x + left;
     patch.y = place.y + top;
     patch.width = right - left;

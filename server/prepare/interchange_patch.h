@@ -26,6 +26,8 @@ struct InterchangePatch {
     BitMask shape;
     std::uint32_t worst = 0;  ///< The highest price along its border: what patches are ranked by.
     std::uint32_t mean = 0;   ///< The mean price along its border.
+    std::uint32_t gradient =
+        0;                    ///< The mean step from its texels to the tile's across the border: distance().
     std::int32_t texels = 0;  ///< In its shape.
     std::uint64_t cost =
         0;  ///< Of the cut, texels that pay included: the less, the better it fits the place.
