@@ -20,8 +20,13 @@ class ShownContent {
         : asset_{asset}, number_{patch}, patch_{asset.patches[patch]}, content_{content} {}
 
     bool covers(std::int32_t x, std::int32_t y) const {
-        return x >= 0 && y >= 0 && x < content_.shape.width && y < content_.shape.height &&
-               content_.shape.at(x, y);
+        if (x < 0 || y < 0 || x >= patch_.width || y >= patch_.height) return false;
+        if (content_.shape.width > 0) return content_.shape.at(x, y);
+        // Without a shape it fills its patch
+        const std::int32_t mask = asset_.tile_side - 1;
+        return asset_.labels.empty() ||
+               asset_.labels[std::size_t((patch_.y + y) & mask) * std::size_t(asset_.tile_side) +
+                             std::size_t((patch_.x + x) & mask)] == number_;
     }
     const std::uint8_t* tile(std::int32_t x, std::int32_t y) const {
         const std::int32_t mask = asset_.tile_side - 1;

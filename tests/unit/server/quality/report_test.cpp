@@ -1,5 +1,6 @@
 #include "server/quality/report.h"
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <regex>
@@ -193,6 +194,14 @@ TEST(ContentSheetsOfAnAsset, MeasureEachContentByItsSeamToTheTile) {
             EXPECT_GT(facts.texels, 0);
         }
     EXPECT_TRUE(seen);
+    // Without a shape of its own it fills its patch's part of the patch map
+    asset.patches[2].contents[1].shape = {};
+    const auto whole = draw_contents(asset, 2.0, {silent, "drawing"});
+    ASSERT_TRUE(whole);
+    for (const ContentFacts& facts : whole->contents)
+        if (facts.patch == 2 && facts.content == 2) {
+            EXPECT_EQ(facts.texels, std::count(asset.labels.begin(), asset.labels.end(), 2));
+        }
 }
 
 TEST(SmallText, DrawsLettersInsideThePictureOnly) {
