@@ -16,8 +16,8 @@ constexpr std::size_t cuts = 10, tried_again = 3;
 
 /// What a border may show, against the photograph's own steps from texel to texel, and how often it is tried
 /// to get there.
-constexpr std::uint32_t most_gradient_percent = 115;
-constexpr int rounds = 3;
+constexpr std::uint32_t most_gradient_percent = 122;
+constexpr int rounds = 2;
 
 /// What is left of a region is not worth a patch below this.
 constexpr std::int32_t least_texels = 24;
@@ -160,6 +160,14 @@ SquareMarks band_of(const SquareMarks& region, std::int32_t side) {
     return band;
 }
 
+/// The displacements that a patch may have, so that those of one place differ: some at random. Large patches
+/// have many shapes, and need the choice more.
+PlaceSearch::Band band_for(std::int32_t core, const LayerSources& sources, std::uint64_t bits) {
+    const std::int32_t bands = 2 * core >= sources.largest ? 4 : 16;
+    const std::int32_t rows = std::max(1, sources.tile.side / bands);
+    return {static_cast<std::int32_t>((bits >> 32) % static_cast<std::uint64_t>(bands)) * rows, rows};
+}
+
 /// The cheapest of some patches of a region. Small ones fill their grains; the longer a border, the harder it
 /// is to hide, so the less it is pulled outwards; and less still where it shows more than the photograph's
 /// own texels do.
@@ -196,8 +204,6 @@ InterchangePatch best_cut(const LayerSources& sources, const SquareMarks& region
 }  // namespace
 
 std::vector<InterchangePatch> make_layer(const LayerSources& sources, std::int32_t number, std::size_t most) {
-    const PlaceSearch::Band band{number * sources.tile.side / sources.layers,
-                                 std::max(1, sources.tile.side / sources.layers)};
     const std::uint64_t key = hash(sources.seed, layer_stream, number, 0);
     Gaps gaps{sources.tile.side};
     std::vector<InterchangePatch> layer;
@@ -214,6 +220,7 @@ std::vector<InterchangePatch> make_layer(const LayerSources& sources, std::int32
         place.y = gap.y - place.side / 2;
         place.pull = 2 * sources.gradient;
         const GrainSquare square{sources, gaps, place};
+        const PlaceSearch::Band band = band_for(place.core, sources, bits);
 
         // The grains that the best place suggests; then the best places for these grains
         const auto first =

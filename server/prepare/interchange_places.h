@@ -18,7 +18,7 @@ class PlaceSearch {
     PlaceSearch(const PerceptualImage& photo, const QuiltedTile& tile, std::int32_t margin);
 
     /// Displacements of the photograph against the tile, downwards and modulo the tile's side, that are
-    /// allowed. Whoever looks in bands of their own never finds what others have found.
+    /// allowed. Whoever looks in another band finds something else.
     struct Band {
         std::int32_t first = 0, rows = 0;
     };
