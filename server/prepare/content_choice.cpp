@@ -8,9 +8,6 @@ namespace {
 
 /// See ChoiceScale::repetition_weight; what fits most photographs about.
 constexpr int first_repetition_weight = 24;
-/// The part of it that counts when contents are chosen: shapes can make up for repetition later, not for bad
-/// seams.
-constexpr int choice_percent = 25;
 /// The part of a patch's depth, in percent from its border, in which cuts may run.
 constexpr int free_depth = 60;
 
