@@ -44,7 +44,7 @@ struct Kernels {
     void (*encode)(const float* rgb, std::int32_t width, std::uint8_t* rgba);
 
     /// One run of blended texels at level 0: sums += weight·(content − tile) in linear steps; texels are RGBA
-    /// codes, weights one a texel. Reads up to eight texels too far.
+    /// codes, weights one a texel. Reads up to eight texels too far, and may add zero there.
     void (*blend)(const std::uint8_t* content, const std::uint8_t* tile, const std::uint16_t* weights,
                   std::int32_t width, std::int32_t* sums);
     /// tile + sums / weight_one, rounded, as sRGB codes, opaque.

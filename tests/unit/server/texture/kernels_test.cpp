@@ -48,12 +48,12 @@ TEST(Kernels, BlendAddsTheWeightedDifferenceFromTheTile) {
     for (auto* texels : {&tile, &content[0], &content[1]}) texels->resize(texels->size() + 32);
     for (std::size_t k = 0; k < available_kernels().count; ++k) {
         const Kernels& kernel = *available_kernels().items[k];
-        std::vector<std::int32_t> sums(std::size_t{width} * 4);
+        std::vector<std::int32_t> sums(std::size_t{width} * 4 + 32);
         for (std::size_t t = 0; t < 2; ++t)
             kernel.blend(content[t].data(), tile.data(), weights[t].data(), width, sums.data());
         std::vector<std::uint8_t> rgba(std::size_t{width} * 4);
         kernel.encode_blended(sums.data(), tile.data(), width, rgba.data());
-        for (std::size_t i = 0; i < sums.size(); ++i) {
+        for (std::size_t i = 0; i < std::size_t{width} * 4; ++i) {
             if (i % 4 == 3) {
                 ASSERT_EQ(rgba[i], 255);
                 continue;
