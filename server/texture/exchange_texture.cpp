@@ -16,8 +16,10 @@ constexpr std::int64_t sampled_tiles = 64;
 
 std::uint32_t types_of(ExchangeMethod method, const ExchangeOptions& options) {
     if (options.types != 0) return options.types;
-    // Units of many tiles are packed one by one when the scene loads, and differ more
-    return method == ExchangeMethod::content_exchange ? 4096 : 1024;
+    // Units of many tiles are packed one by one when the scene loads, and differ more; with so few types
+    // images of variants hold tiles of 16 texels, on which patches are a texel or two
+    if (method == ExchangeMethod::interchange) return 512;
+    return method == ExchangeMethod::wang ? 1024 : 4096;
 }
 
 std::int32_t blend_radius(const ExchangeAsset& asset, const ExchangeOptions& options) {
