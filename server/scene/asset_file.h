@@ -12,9 +12,6 @@
 
 namespace tessera {
 
-/// "content_exchange", "interchange", "wang": the word in asset.json, in scene files and for --method.
-std::string_view method_name(ExchangeMethod method);
-
 /// What an asset's preparation was asked for: recorded, so that it can go on, and so that what is outdated
 /// can be told. 0, and −1 of blend_texels: the method's own.
 struct Preparation {

@@ -154,18 +154,6 @@ Result<void> write_parts(const fs::path& folder, const ExchangeAsset& asset, con
 
 }  // namespace
 
-std::string_view method_name(ExchangeMethod method) {
-    switch (method) {
-        case ExchangeMethod::interchange:
-            return "interchange";
-        case ExchangeMethod::wang:
-            return "wang";
-        case ExchangeMethod::content_exchange:
-            break;
-    }
-    return "content_exchange";
-}
-
 std::string photo_id(const Rgb8Image& photo) {
     Digest digest;
     const std::string size = std::to_string(photo.width) + "x" + std::to_string(photo.height) + ":";

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "server/texture/rgb8_image.h"
@@ -39,6 +40,19 @@ enum class ExchangeMethod : std::uint8_t {
     interchange,       ///< Kolář et al. 2016: patches of any shape, on either of two tiles.
     wang,              ///< One square patch whose contents are corner-coloured tiles.
 };
+
+/// The word for it in asset.json, in scene files and for --method.
+constexpr std::string_view method_name(ExchangeMethod method) noexcept {
+    switch (method) {
+        case ExchangeMethod::interchange:
+            return "interchange";
+        case ExchangeMethod::wang:
+            return "wang";
+        case ExchangeMethod::content_exchange:
+            break;
+    }
+    return "content_exchange";
+}
 
 /// What all by-example textures are made of (DESIGN section 2): the plane shows the periodic tile, except
 /// where a patch shows one of its contents, a part of the exemplar with a shape of its own: I = tile + Σ

@@ -40,18 +40,6 @@ Variants make_variants(const ExchangeAsset& asset, const Shapes& shapes, const E
     return content_variants(shapes, options.seed, types);
 }
 
-std::string_view name_of(ExchangeMethod method) {
-    switch (method) {
-        case ExchangeMethod::interchange:
-            return "interchange";
-        case ExchangeMethod::wang:
-            return "wang";
-        case ExchangeMethod::content_exchange:
-            break;
-    }
-    return "content_exchange";
-}
-
 }  // namespace
 
 ExchangeLayout::ExchangeLayout(const ExchangeAsset& asset, const ExchangeOptions& options)
@@ -163,7 +151,7 @@ std::shared_ptr<const Texture> CompiledExchange::with_texels(const Rgb16Image& e
                                               TexelKind::data);
 }
 
-std::string_view CompiledExchange::kind() const noexcept { return name_of(layout_->method); }
+std::string_view CompiledExchange::kind() const noexcept { return method_name(layout_->method); }
 
 std::size_t CompiledExchange::memory_bytes() const noexcept {
     std::size_t bytes = layout_->memory_bytes() + exemplar_.memory_bytes() + tile_.memory_bytes() +

@@ -54,7 +54,7 @@ struct ExchangeLayout {
     }
 };
 
-/// A by-example texture, compiled: exchange_texture.cpp builds it, exchange_pages.cpp evaluates it.
+/// A by-example texture, compiled: exchange_texture.cpp builds it, exchange_pages.cpp and exchange_level_0.cpp evaluate it.
 class CompiledExchange final : public ExchangeTexture {
   public:
     CompiledExchange(std::shared_ptr<const ExchangeLayout> layout, TexelSource exemplar,

@@ -13,7 +13,7 @@ namespace tessera {
 ///
 /// Sines are polynomials of +, −, × and ÷, so that every machine draws the same; the formula itself squares
 /// the coordinates, and loses its last random bit in a double where tiles are some 2^26 from the origin:
-/// patches then are active on whole rows of tiles or nowhere
+/// every patch is active then
 /// (tests/unit/server/texture/kolar_choice_test.cpp). `typed` has no such end.
 class KolarChoice {
   public:

@@ -81,7 +81,7 @@ void expect_kept(const Rgb8Image& photo, const Case& one) {
 
 class MadePhotograph : public testing::TestWithParam<Case> {};
 
-TEST_P(MadePhotograph, GivesATextureWithoutSeamsOrRepetition) {
+TEST_P(MadePhotograph, KeepsTheLimitsOfSeamsAndRepetitionOrItsRecordedMiss) {
     expect_kept(GetParam().photo == "ground" ? ground(256) : test::made_photo(256, 256), GetParam());
 }
 
@@ -97,7 +97,7 @@ INSTANTIATE_TEST_SUITE_P(Quality, MadePhotograph,
 
 class Exemplar : public testing::TestWithParam<Case> {};
 
-TEST_P(Exemplar, GivesATextureWithoutSeamsOrRepetition) {
+TEST_P(Exemplar, KeepsTheLimitsOfSeamsAndRepetitionOrItsRecordedMiss) {
     const std::filesystem::path file = std::filesystem::path{TESSERA_EXEMPLARS} / GetParam().photo;
     if (!std::filesystem::exists(file))
         GTEST_SKIP() << "NOT TRIED: " << file
