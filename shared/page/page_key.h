@@ -52,6 +52,8 @@ struct TexelRegion {
     std::int64_t y = 0;
     std::int32_t width = 0;
     std::int32_t height = 0;
+    std::int64_t slice =
+        0;  ///< Of a texture with a third dimension, in texels of level 0: levels filter x and y only.
     bool operator==(const TexelRegion&) const = default;
 };
 

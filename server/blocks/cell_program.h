@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "server/blocks/stored_map.h"
+
+namespace tessera {
+
+/// A stretch of a row of cells.
+struct CellRow {
+    std::int64_t x = 0;  ///< First cell; |x|, |y| < 2^40.
+    std::int64_t y = 0;
+    std::int32_t count = 0;  ///< At most 4096.
+    std::int64_t z = 0;      ///< The layer of cells, where a grid has a third dimension.
+    std::int64_t step = 0;   ///< The animation clock. 0 until scenes have one.
+    const std::uint16_t* types =
+        nullptr;  ///< Of these cells in the grid's quadtree; needed if needs_types().
+};
+
+/// What a cell shows.
+struct Look {
+    std::int32_t pattern = -1;  ///< −1: nothing.
+    std::uint16_t x = 0;  ///< 65535ths of the free room, or, where instances may hang over, of the cell.
+    std::uint16_t y = 0;
+    std::uint8_t turn = 0;   ///< Steps of TransformPlan.
+    std::uint8_t scale = 0;  ///< Steps of TransformPlan.
+    bool operator==(const Look&) const = default;
+};
+
+/// What a look's probability is, wherever it lies in its cell.
+struct LookShare {
+    std::int32_t pattern = -1;
+    std::uint8_t turn = 0;
+    std::uint8_t scale = 0;
+    double share = 0;
+};
+
+/// The one map whose entries shift the probabilities over the plane.
+struct VaryingMap {
+    enum class Sampling : std::uint8_t {
+        nearest,   ///< The entry that the cell lies in. State: one integer, at the cell.
+        dithered,  ///< One of the four entries around, as often as bilinear weights say. State: one integer.
+        dithered_x,
+        dithered_y,
+    };
+    const StoredMap* map = nullptr;  ///< Lives as long as the program.
+    Sampling sampling = Sampling::nearest;
+    bool corners =
+        false;  ///< A cell depends on the states of (i, j), (i+1, j), (i, j+1), (i+1, j+1): four integers.
+    bool nested = false;  ///< Dithered by nested thresholds; else every cell (or corner) by itself.
+};
+
+/// The compiled decisions of one reference texture: what each cell of its grid shows. Integers only;
+/// immutable; random access; the same cell gives the same look on every machine, in whatever stretch it is
+/// asked for.
+class CellProgram {
+  public:
+    virtual ~CellProgram() = default;
+    CellProgram() = default;
+    CellProgram(const CellProgram&) = delete;
+    CellProgram& operator=(const CellProgram&) = delete;
+
+    /// The patterns alone, for textures without a transform: row.count integers, −1 for nothing.
+    virtual void patterns(const CellRow& row, std::int32_t* out) const = 0;
+    virtual void looks(const CellRow& row, Look* out) const = 0;
+
+    /// What a cell depends on, beside constants.
+    enum class Basis : std::uint8_t {
+        constant,  ///< Nothing: every cell looks the same.
+        typed,     ///< Its type only: look_of_type() says all, and sums over cells are exact at every level.
+        stationary,  ///< Draws whose probabilities are the same everywhere: shares() says all.
+        varying,     ///< Draws, and one map: varying() and shares() say all.
+        other,       ///< Several maps, or more states than may be listed: only cells themselves tell.
+    };
+    virtual Basis basis() const noexcept = 0;
+    virtual bool needs_types() const noexcept = 0;
+    /// Draws of neighbouring cells are independent of each other (corners shared by neighbours aside).
+    virtual bool independent_cells() const noexcept = 0;
+
+    virtual Look look_of_type(std::uint16_t type) const = 0;  ///< Basis typed or constant.
+    virtual std::optional<VaryingMap> varying() const = 0;    ///< Basis varying.
+    /// How often a cell shows what, where the map's states are given: none (constant, typed, stationary),
+    /// one, or four. Shares sum to 1; blank is listed too. Basis other: empty.
+    virtual std::vector<LookShare> shares(std::span<const std::int32_t> states) const = 0;
+
+    virtual std::size_t memory_bytes() const noexcept = 0;
+};
+
+}  // namespace tessera

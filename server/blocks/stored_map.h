@@ -1,0 +1,36 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+namespace tessera {
+
+/// An explicit map: integers on a rectangle of cells, and what is outside it.
+struct StoredMap {
+    enum class Edge : std::uint8_t { wrap, clamp, blank };
+
+    std::int32_t width = 0;            ///< In entries, 1 to 32768.
+    std::int32_t height = 0;           ///< In entries, 1 to 32768; width·height at most 2^26.
+    std::vector<std::int32_t> values;  ///< Rows from the top. −1: blank.
+    Edge edge = Edge::wrap;
+    int cells_log2 = 0;  ///< An entry covers 2^cells_log2 cells along a side; 0 to 16.
+    std::int64_t x = 0;  ///< The cell of the first entry's top-left corner: a multiple of 2^cells_log2.
+    std::int64_t y = 0;
+
+    /// The entry (i, j), counted from the map's first one on; any integers.
+    std::int32_t entry(std::int64_t i, std::int64_t j) const noexcept {
+        if (edge == Edge::wrap) {
+            i = (i % width + width) % width;
+            j = (j % height + height) % height;
+        } else if (edge == Edge::clamp) {
+            i = std::clamp<std::int64_t>(i, 0, width - 1);
+            j = std::clamp<std::int64_t>(j, 0, height - 1);
+        } else if (i < 0 || j < 0 || i >= width || j >= height) {
+            return -1;
+        }
+        return values[static_cast<std::size_t>(j * width + i)];
+    }
+};
+
+}  // namespace tessera

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <memory>
+
+#include "server/blocks/plan.h"
+#include "server/texture/texture.h"
+
+namespace tessera {
+
+/// A texture made of cells, and what layers above or below it must know.
+class PatternTexture : public Texture {
+  public:
+    /// From this level on a texel covers whole cells whose looks are drawn; −1 if nothing is drawn by chance.
+    /// Bounds that hold with a confidence count cells with it.
+    virtual int cell_level() const noexcept = 0;
+};
+
+/// Compiles the plan's textures, from parts to wholes.
+std::shared_ptr<const Texture> make_pattern_texture(const Plan& plan);
+
+/// The most that it may take when it is compiled, in bytes: what loading checks before it allocates.
+std::size_t pattern_bytes(const Plan& plan);
+
+}  // namespace tessera
