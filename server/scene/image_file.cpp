@@ -8,6 +8,7 @@
 #include <string>
 
 #include <OpenImageIO/imageio.h>
+#include <webp/decode.h>
 
 #include "server/scene/png_file.h"
 #include "server/scene/whole_file.h"
@@ -175,10 +176,13 @@ std::uint8_t to_eight_bits(std::uint16_t sample, bool wide) {
 
 /// Turns the image as its EXIF orientation says (TIFF 6.0: 1 upright, 3 half turn, 6 and 8 quarter turns, the
 /// others mirrored), so that the texture stands as the photograph is shown everywhere else.
-Rgb8Image turned(Rgb8Image image, int orientation) {
+template <class Image>
+Image turned(Image image, int orientation) {
     if (orientation < 2 || orientation > 8) return image;
     const bool transposed = orientation >= 5;
-    Rgb8Image out;
+    const std::ptrdiff_t channels =
+        std::ssize(image.bytes) / (std::ptrdiff_t{image.width} * std::ptrdiff_t{image.height});
+    Image out;
     out.width = transposed ? image.height : image.width;
     out.height = transposed ? image.width : image.height;
     out.bytes.resize(image.bytes.size());
@@ -190,57 +194,135 @@ Rgb8Image turned(Rgb8Image image, int orientation) {
             const std::int32_t v = transposed ? x : y;
             const std::int32_t source_x = from_right ? image.width - 1 - u : u;
             const std::int32_t source_y = from_bottom ? image.height - 1 - v : v;
-            std::copy_n(image.bytes.begin() + 3 * (std::ptrdiff_t{source_y} * image.width + source_x), 3,
-                        out.bytes.begin() + 3 * (std::ptrdiff_t{y} * out.width + x));
+            std::copy_n(image.bytes.begin() + channels * (std::ptrdiff_t{source_y} * image.width + source_x),
+                        channels, out.bytes.begin() + channels * (std::ptrdiff_t{y} * out.width + x));
         }
     return out;
+}
+
+/// A colour image that is open, and how its samples make red, green, blue and alpha.
+struct ColorImage {
+    File file;
+    Reader reader;
+    OIIO::ImageSpec spec;
+    bool has_alpha = false;
+    bool wide = false;  ///< 16 bits a sample.
+
+    /// Texels of 16-bit samples; alpha is `opaque` where there is none.
+    struct Texel {
+        std::uint16_t red, green, blue, alpha;
+    };
+    std::uint16_t opaque() const { return wide ? 65535 : 255; }
+    std::uint8_t code(std::uint16_t sample) const { return to_eight_bits(sample, wide); }
+
+    /// Hands over every texel in reading order.
+    template <class Take>
+    Result<void> read(const fs::path& path, Take&& take) {
+        const std::size_t stride = static_cast<std::size_t>(spec.nchannels);
+        const std::size_t green = stride >= 3 ? 1 : 0, blue = stride >= 3 ? 2 : 0;
+        return read_strips(path, file.format, *reader,
+                           [&](int, int, const std::vector<std::uint16_t>& samples) -> Result<void> {
+                               for (std::size_t i = 0; i < samples.size(); i += stride)
+                                   take(Texel{samples[i], samples[i + green], samples[i + blue],
+                                              has_alpha ? samples[i + stride - 1] : opaque()});
+                               return {};
+                           });
+    }
+};
+
+Result<ColorImage> open_color_image(const fs::path& path, const ImageLimits& limits) {
+    auto file = inspect(path, limits);
+    if (!file) return file.error();
+    auto reader = open_image(path, *file, limits);
+    if (!reader) return reader.error();
+    ColorImage image{std::move(*file), std::move(*reader), {}};
+    image.spec = image.reader->spec();
+
+    const std::string color_space = image.spec.get_string_attribute(
+        "jpeg:ColorSpace", image.spec.get_string_attribute("tiff:ColorSpace"));
+    if (color_space == "CMYK" || color_space == "YCbCrK" || color_space == "YCCK")
+        return invalid(path, "is in " + color_space + ", the colours of a printer; save it as RGB");
+    const int channels = image.spec.nchannels;
+    image.has_alpha = channels == 2 || channels == 4;
+    if (channels < 1 || channels > 4 || (image.has_alpha && image.spec.alpha_channel != channels - 1))
+        return invalid(path, "has " + std::to_string(channels) + " channels; save it as grey or RGB");
+    image.wide = image.spec.format == OIIO::TypeDesc::UINT16;
+    return image;
 }
 
 }  // namespace
 
 Result<Rgb8Image> read_rgb_image(const fs::path& path, const ImageLimits& limits) {
+    auto opened = open_color_image(path, limits);
+    if (!opened) return opened.error();
+    Rgb8Image image{opened->spec.width, opened->spec.height, {}};
+    image.bytes.resize(std::size_t{3} * static_cast<std::size_t>(image.width) *
+                       static_cast<std::size_t>(image.height));
+    std::uint8_t* out = image.bytes.data();
+    bool transparent = false;
+    const auto read = opened->read(path, [&](const ColorImage::Texel& texel) {
+        transparent |= texel.alpha != opened->opaque();
+        *out++ = opened->code(texel.red);
+        *out++ = opened->code(texel.green);
+        *out++ = opened->code(texel.blue);
+    });
+    if (!read) return read.error();
+    if (transparent)
+        return invalid(path, "has transparent texels; fill them with a background and save it without alpha");
+    return turned(std::move(image), opened->spec.get_int_attribute("Orientation", 1));
+}
+
+namespace {
+
+/// libwebp itself: OIIO premultiplies the texels of a WebP, and what was lost does not come back.
+Result<StraightRgba8Image> read_webp(const fs::path& path, const File& file, const ImageLimits& limits) {
+    if (auto fits = check_webp(path, file, limits); !fits) return fits.error();
+    const auto bytes = read_whole_file(path, limits.max_file_bytes);
+    if (!bytes) return bytes.error();
+    const auto* data = reinterpret_cast<const std::uint8_t*>(bytes->data());
+    StraightRgba8Image image;
+    // The size that is allocated is the one that is checked: the file may be another by now
+    if (WebPGetInfo(data, bytes->size(), &image.width, &image.height) == 0)
+        return broken(path, file.format, "no header");
+    if (auto fits = check_size(path, image.width, image.height, 1, std::ssize(*bytes), limits); !fits)
+        return fits.error();
+    image.bytes.resize(std::size_t{4} * static_cast<std::size_t>(image.width) *
+                       static_cast<std::size_t>(image.height));
+    if (WebPDecodeRGBAInto(data, bytes->size(), image.bytes.data(), image.bytes.size(), 4 * image.width) ==
+        nullptr)
+        return broken(path, file.format, "cannot be decoded");
+    return image;
+}
+
+}  // namespace
+
+Result<StraightRgba8Image> read_rgba_image(const fs::path& path, const ImageLimits& limits) {
     const auto file = inspect(path, limits);
     if (!file) return file.error();
-    auto reader = open_image(path, *file, limits);
-    if (!reader) return reader.error();
-    const OIIO::ImageSpec spec = (*reader)->spec();
-
-    const std::string color_space =
-        spec.get_string_attribute("jpeg:ColorSpace", spec.get_string_attribute("tiff:ColorSpace"));
-    if (color_space == "CMYK" || color_space == "YCbCrK" || color_space == "YCCK")
-        return invalid(path, "is in " + color_space + ", the colours of a printer; save it as RGB");
-    const int channels = spec.nchannels;
-    const bool has_alpha = channels == 2 || channels == 4;
-    if (channels < 1 || channels > 4 || (has_alpha && spec.alpha_channel != channels - 1))
-        return invalid(path, "has " + std::to_string(channels) + " channels; save it as grey or RGB");
-
-    Rgb8Image image;
-    image.width = spec.width;
-    image.height = spec.height;
-    image.bytes.resize(std::size_t{3} * static_cast<std::size_t>(spec.width) *
-                       static_cast<std::size_t>(spec.height));
-    const bool wide = spec.format == OIIO::TypeDesc::UINT16;
-    const std::uint16_t opaque = wide ? 65535 : 255;
-    const std::size_t stride = static_cast<std::size_t>(channels);
-    const std::size_t green = channels >= 3 ? 1 : 0, blue = channels >= 3 ? 2 : 0;
-    const auto read = read_strips(
-        path, file->format, **reader,
-        [&](int y, int, const std::vector<std::uint16_t>& samples) -> Result<void> {
-            std::uint8_t* out = image.bytes.data() + std::size_t{3} * static_cast<std::size_t>(y) *
-                                                         static_cast<std::size_t>(image.width);
-            for (std::size_t i = 0; i < samples.size(); i += stride, out += 3) {
-                if (has_alpha && samples[i + stride - 1] != opaque)
-                    return invalid(
-                        path,
-                        "has transparent texels; fill them with a background and save it without alpha");
-                out[0] = to_eight_bits(samples[i], wide);
-                out[1] = to_eight_bits(samples[i + green], wide);
-                out[2] = to_eight_bits(samples[i + blue], wide);
-            }
-            return {};
-        });
+    if (file->format == "webp") return read_webp(path, *file, limits);
+    auto opened = open_color_image(path, limits);
+    if (!opened) return opened.error();
+    StraightRgba8Image image{opened->spec.width, opened->spec.height, {}};
+    image.bytes.resize(std::size_t{4} * static_cast<std::size_t>(image.width) *
+                       static_cast<std::size_t>(image.height));
+    // Only a TIFF may hold premultiplied colours, and then it does not say that they are not
+    const bool premultiplied = opened->has_alpha && opened->file.format == "tiff" &&
+                               opened->spec.get_int_attribute("oiio:UnassociatedAlpha") == 0;
+    const auto straight = [&](std::uint16_t color, std::uint16_t alpha) {
+        if (!premultiplied || alpha == 0) return opened->code(color);
+        const std::uint32_t opaque = opened->opaque();
+        const std::uint32_t divided = (color * opaque + alpha / 2u) / alpha;
+        return opened->code(static_cast<std::uint16_t>(std::min(divided, opaque)));
+    };
+    std::uint8_t* out = image.bytes.data();
+    const auto read = opened->read(path, [&](const ColorImage::Texel& texel) {
+        *out++ = straight(texel.red, texel.alpha);
+        *out++ = straight(texel.green, texel.alpha);
+        *out++ = straight(texel.blue, texel.alpha);
+        *out++ = opened->code(texel.alpha);
+    });
     if (!read) return read.error();
-    return turned(std::move(image), spec.get_int_attribute("Orientation", 1));
+    return turned(std::move(image), opened->spec.get_int_attribute("Orientation", 1));
 }
 
 namespace {
@@ -300,6 +382,10 @@ Result<BitMask> read_bit_image(const fs::path& path, const ImageLimits& limits) 
 
 Result<void> write_rgb_png(const fs::path& file, const Rgb8Image& image) {
     return write_whole_file(file, to_png(image.width, image.height, PngColor::rgb, 8, image.bytes));
+}
+
+Result<void> write_rgba_png(const fs::path& file, const StraightRgba8Image& image) {
+    return write_whole_file(file, to_png(image.width, image.height, PngColor::rgba, 8, image.bytes));
 }
 
 Result<void> write_label_png(const fs::path& file, const LabelImage& image) {

@@ -23,6 +23,16 @@ struct ImageLimits {
 /// file.
 Result<Rgb8Image> read_rgb_image(const std::filesystem::path& file, const ImageLimits& limits = {});
 
+/// Texels of a pattern as files hold them: sRGB codes, alpha straight; rows from the top.
+struct StraightRgba8Image {
+    std::int32_t width = 0;
+    std::int32_t height = 0;
+    std::vector<std::uint8_t> bytes;  ///< 4·width·height
+};
+
+/// The same with transparency: what has none is opaque. Premultiplied TIFFs are divided by their alpha.
+Result<StraightRgba8Image> read_rgba_image(const std::filesystem::path& file, const ImageLimits& limits = {});
+
 /// Reads an 8- or 16-bit grey PNG as it is: labels.
 struct LabelImage {
     std::int32_t width = 0;
@@ -35,6 +45,7 @@ Result<LabelImage> read_label_image(const std::filesystem::path& file, const Ima
 Result<BitMask> read_bit_image(const std::filesystem::path& file, const ImageLimits& limits = {});
 
 Result<void> write_rgb_png(const std::filesystem::path& file, const Rgb8Image& image);
+Result<void> write_rgba_png(const std::filesystem::path& file, const StraightRgba8Image& image);
 Result<void> write_label_png(const std::filesystem::path& file, const LabelImage& image);
 Result<void> write_bit_png(const std::filesystem::path& file, const BitMask& image);
 

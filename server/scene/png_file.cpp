@@ -100,8 +100,8 @@ void append_png_chunk(std::vector<std::uint8_t>& png, std::string_view name,
 
 std::vector<std::uint8_t> to_png(std::int32_t width, std::int32_t height, PngColor color, int bits,
                                  std::span<const std::uint8_t> rows) {
-    const std::size_t texel_bits =
-        (color == PngColor::rgb ? std::size_t{3} : std::size_t{1}) * std::size_t(bits);
+    const std::size_t samples = color == PngColor::rgb ? 3 : color == PngColor::rgba ? 4 : 1;
+    const std::size_t texel_bits = samples * static_cast<std::size_t>(bits);
     const std::size_t row_bytes = (static_cast<std::size_t>(width) * texel_bits + 7) / 8;
     const std::vector<std::uint8_t> filtered = filter_rows(
         row_bytes, std::max<std::size_t>(1, texel_bits / 8), static_cast<std::size_t>(height), rows);

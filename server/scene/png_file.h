@@ -20,9 +20,9 @@ std::vector<std::uint8_t> start_png(std::int32_t width, std::int32_t height, Png
 void append_png_chunk(std::vector<std::uint8_t>& png, std::string_view name,
                       std::span<const std::uint8_t> data);
 
-/// A PNG of nothing but its texels, grey or RGB: no date, no text, so that the same texels give the same
-/// bytes. `rows` from the top, each of whole bytes: samples of `bits` (1 from the highest bit on, grey only;
-/// 8; or 16 with the high byte first).
+/// A PNG of nothing but its texels, grey, RGB or RGBA: no date, no text, so that the same texels give the
+/// same bytes. `rows` from the top, each of whole bytes: samples of `bits` (1 from the highest bit on, grey
+/// only; 8; or 16 with the high byte first).
 std::vector<std::uint8_t> to_png(std::int32_t width, std::int32_t height, PngColor color, int bits,
                                  std::span<const std::uint8_t> rows);
 

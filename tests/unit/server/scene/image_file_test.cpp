@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <turbojpeg.h>
+#include <webp/encode.h>
 
 #include "server/scene/png_file.h"
 #include "shared/math/hash.h"
@@ -176,6 +177,44 @@ TEST_F(ImageFile, opaque_alpha_is_dropped_and_transparency_refused) {
     expect_refused(at("clear-grey.png"), ErrorCode::invalid_input, "transparent texels; fill them");
 }
 
+TEST_F(ImageFile, a_pattern_keeps_its_alpha_in_every_format_that_has_one) {
+    const std::vector<std::uint8_t> rgba{10, 20, 30, 255, 40, 50, 60, 128, 200, 100, 0, 7, 9, 8, 7, 254};
+    write_foreign(at("a.png"), 2, 2, 4, OIIO::TypeDesc::UINT8, rgba.data());
+    write_foreign(at("a.tif"), 2, 2, 4, OIIO::TypeDesc::UINT8, rgba.data());
+    std::uint8_t* webp = nullptr;  // OIIO would write it with a loss
+    const std::size_t size = WebPEncodeLosslessRGBA(rgba.data(), 2, 2, 8, &webp);
+    write_bytes(at("a.webp"), {reinterpret_cast<const char*>(webp), size});
+    WebPFree(webp);
+    for (const char* name : {"a.png", "a.tif", "a.webp"}) {
+        const auto read = read_rgba_image(at(name));
+        ASSERT_TRUE(read) << name << ": " << read.error().detail;
+        EXPECT_EQ(read->bytes, rgba) << name;
+    }
+    const StraightRgba8Image ours{2, 2, rgba};
+    ASSERT_TRUE(write_rgba_png(at("ours.png"), ours));
+    EXPECT_EQ(read_rgba_image(at("ours.png"))->bytes, rgba);
+
+    const std::vector<std::uint16_t> wide{257 * 10, 257 * 20, 257 * 30, 65535,
+                                          257 * 40, 257 * 50, 257 * 60, 257 * 99};
+    write_foreign(at("wide.png"), 2, 1, 4, OIIO::TypeDesc::UINT16, wide.data());
+    EXPECT_THAT(read_rgba_image(at("wide.png"))->bytes,
+                testing::ElementsAre(10, 20, 30, 255, 40, 50, 60, 99));
+    const std::vector<std::uint8_t> grey_alpha{10, 255, 20, 3};
+    write_foreign(at("grey.png"), 2, 1, 2, OIIO::TypeDesc::UINT8, grey_alpha.data());
+    EXPECT_THAT(read_rgba_image(at("grey.png"))->bytes, testing::ElementsAre(10, 10, 10, 255, 20, 20, 20, 3));
+    ASSERT_TRUE(write_rgb_png(at("opaque.png"), noise(1, 1)));
+    EXPECT_EQ(read_rgba_image(at("opaque.png"))->bytes[3], 255);
+}
+
+TEST_F(ImageFile, premultiplied_texels_are_divided_by_their_alpha) {
+    const std::vector<std::uint8_t> premultiplied{100, 50, 0, 128, 0, 0, 0, 0, 10, 20, 30, 255};
+    write_foreign(at("a.tif"), 3, 1, 4, OIIO::TypeDesc::UINT8, premultiplied.data(),
+                  [](OIIO::ImageSpec& spec) { spec.erase_attribute("oiio:UnassociatedAlpha"); });
+    const auto read = read_rgba_image(at("a.tif"));
+    ASSERT_TRUE(read) << read.error().detail;
+    EXPECT_THAT(read->bytes, testing::ElementsAre(199, 100, 0, 128, 0, 0, 0, 0, 10, 20, 30, 255));
+}
+
 TEST_F(ImageFile, a_printers_colours_are_refused) {
     const std::vector<std::uint8_t> cmyk(4 * 16 * 16, 40);
     write_foreign(at("cmyk.tif"), 16, 16, 4, OIIO::TypeDesc::UINT8, cmyk.data(), [](OIIO::ImageSpec& spec) {
@@ -235,6 +274,7 @@ TEST_F(ImageFile, a_truncated_image_is_refused_wherever_it_ends) {
             write_bytes(at(name), whole.substr(0, whole.size() * percent / 100));
             SCOPED_TRACE(name + std::string{" cut at "} + std::to_string(percent) + " %");
             expect_refused(at(name), ErrorCode::invalid_input, "truncated");
+            EXPECT_THAT(read_rgba_image(at(name)).error().detail, HasSubstr("truncated"));
         }
     }
 }
@@ -250,6 +290,8 @@ TEST_F(ImageFile, a_broken_byte_never_crashes_the_reader) {
             // Most headers are in the first hundred bytes
             broken[bits % (i % 2 == 0 ? 100 : broken.size())] = static_cast<char>(bits >> 32);
             write_bytes(at(name), broken);
+            const auto pattern = read_rgba_image(at(name), {.max_texels = 1 << 20});
+            EXPECT_LE(pattern ? std::int64_t{pattern->width} * pattern->height : 0, 1 << 20);
             const auto read = read_rgb_image(at(name), {.max_texels = 1 << 20});
             EXPECT_LE(read ? std::int64_t{read->width} * read->height : 0, 1 << 20)
                 << name << ", round " << i;
@@ -292,6 +334,8 @@ TEST_F(ImageFile, limits_hold_for_every_format) {
         ASSERT_TRUE(read_rgb_image(at(name), {.max_texels = 120 * 90, .max_side = 120}));
         expect_refused(at(name), ErrorCode::invalid_input, "is 120×90 texels, more than the limit",
                        {.max_texels = 120 * 90 - 1});
+        EXPECT_THAT(read_rgba_image(at(name), {.max_texels = 120 * 90 - 1}).error().detail,
+                    HasSubstr("is 120×90 texels, more than the limit"));
         expect_refused(at(name), ErrorCode::invalid_input, "is 120×90 texels, more than the limit",
                        {.max_side = 119});
         expect_refused(at(name), ErrorCode::invalid_input, "bytes, more than the limit of 100",
