@@ -26,7 +26,7 @@ TypedQuadtree::TypedQuadtree(std::uint64_t seed, std::uint32_t types) : seed_{se
 }
 
 TypeGrid TypedQuadtree::types_of(int height, std::int64_t x, std::int64_t y, std::int32_t width,
-                                 std::int32_t height_nodes) const {
+                                 std::int32_t height_nodes, std::int64_t z) const {
     // The nodes over the rectangle at each height, from the roots down
     const auto rectangle_at = [&](int at_height) {
         const int up = at_height - height;
@@ -42,10 +42,12 @@ TypeGrid TypedQuadtree::types_of(int height, std::int64_t x, std::int64_t y, std
     // Two grids take turns, each as large as it will ever be
     grid.types.reserve(std::size_t(width + 2) * std::size_t(height_nodes + 2));
     below.types.reserve(grid.types.capacity());
+    std::uint64_t roots = stream("typed quadtree roots");
+    if (z != 0) roots = mix(roots + 0x9e3779b97f4a7c15u * static_cast<std::uint64_t>(z));
     for (std::int64_t row = 0; row < grid.height; ++row)
         for (std::int64_t column = 0; column < grid.width; ++column)
-            grid.types.push_back(static_cast<std::uint16_t>(uniform_below(
-                hash(seed_, stream("typed quadtree roots"), grid.x + column, grid.y + row), types_)));
+            grid.types.push_back(static_cast<std::uint16_t>(
+                uniform_below(hash(seed_, roots, grid.x + column, grid.y + row), types_)));
 
     int at_height = root_height;
     if (grid.types.size() == 1) {

@@ -48,9 +48,10 @@ class TypedQuadtree {
     }
 
     /// The types of at least the nodes [x, x + width) × [y, y + height_nodes) of `height` (0 to root_height);
-    /// the grid may be a node larger on each side. Walks the tree once: about 4/3 look-ups a node.
+    /// the grid may be a node larger on each side. Walks the tree once: about 4/3 look-ups a node. `z` names
+    /// the layer of units, where there is a third dimension: each has roots of its own.
     TypeGrid types_of(int height, std::int64_t x, std::int64_t y, std::int32_t width,
-                      std::int32_t height_nodes) const;
+                      std::int32_t height_nodes, std::int64_t z = 0) const;
 
     std::size_t memory_bytes() const noexcept { return children_.size() * sizeof children_[0]; }
 

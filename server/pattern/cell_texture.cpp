@@ -1,0 +1,174 @@
+#include "server/pattern/cell_texture.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "server/pattern/cell_rows.h"
+#include "server/pattern/cell_slice.h"
+#include "server/pattern/pattern_mips.h"
+#include "server/pattern/pixel_format.h"
+#include "server/pattern/typed_texture.h"
+
+namespace tessera {
+namespace {
+
+/// Rounding to float, the only error of levels that are exact.
+constexpr double rounding_codes = 4e-5;
+
+/// Cells that are drawn one by one, or from one map.
+class DrawnCells final : public PatternTexture {
+  public:
+    DrawnCells(const ReferencePlan& plan, std::shared_ptr<const PatternMips> mips)
+        : grid_{plan.grid}, program_{plan.program}, mips_{std::move(mips)} {}
+
+    Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
+                                LinearImage& out) const override {
+        reshape(out, region.width, region.height);
+        return region.level <= grid_.cell_log2 ? copy(region, budget, out) : sum_cells(region, budget, out);
+    }
+    Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
+                                Rgba8Image& out) const override {
+        if (region.level > grid_.cell_log2) return Texture::evaluate(region, budget, out);
+        reshape(out, region.width, region.height);
+        return copy(region, budget, out);
+    }
+    std::string_view kind() const noexcept override { return "pattern"; }
+    std::string description() const override {
+        return std::to_string(mips_->count()) + " patterns, cells of " +
+               std::to_string(std::int64_t{1} << grid_.cell_log2) + " texels";
+    }
+    std::size_t memory_bytes() const noexcept override {
+        return sizeof *this + mips_->memory_bytes() + program_->memory_bytes();
+    }
+    int cell_level() const noexcept override { return grid_.cell_log2; }
+
+  private:
+    /// Which image each cell of a rectangle shows, a row of cells at a time.
+    class Images {
+      public:
+        Images(const DrawnCells& of, std::int64_t slice, std::int64_t x, std::int64_t y, std::int32_t width,
+               std::int32_t height)
+            : of_{of},
+              at_{cell_slice(of.grid_, slice, of.mips_->slices())},
+              x_{x},
+              width_{width},
+              patterns_(std::size_t(width)),
+              images_(std::size_t(width)) {
+            if (of.program_->needs_types())
+                types_ = of.grid_.quadtree->types_of(0, x, y, width, height, at_.z);
+        }
+        const std::uint32_t* row(std::int64_t y) {
+            constexpr std::int32_t at_once = 4096;
+            for (std::int32_t from = 0; from < width_; from += at_once) {
+                CellRow row{.x = x_ + from, .y = y, .count = std::min(at_once, width_ - from), .z = at_.z};
+                if (!types_.types.empty()) row.types = types_.row(y) + (x_ - types_.x) + from;
+                of_.program_->patterns(row, patterns_.data() + from);
+            }
+            const PatternMips& mips = *of_.mips_;
+            const bool outside = at_.slice >= mips.slices();
+            const std::uint32_t count = outside ? 0 : static_cast<std::uint32_t>(mips.count());
+            const auto slices = static_cast<std::uint32_t>(mips.slices());
+            const auto slice = static_cast<std::uint32_t>(at_.slice);
+            for (std::size_t i = 0; i < images_.size(); ++i) {
+                const auto pattern = static_cast<std::uint32_t>(patterns_[i]);  // −1 is beyond any count
+                images_[i] = pattern < count ? pattern * slices + slice : mips.blank();
+            }
+            return images_.data();
+        }
+
+      private:
+        const DrawnCells& of_;
+        CellSlice at_;
+        std::int64_t x_;
+        std::int32_t width_;
+        TypeGrid types_;
+        std::vector<std::int32_t> patterns_;
+        std::vector<std::uint32_t> images_;
+    };
+
+    template <class Image>
+    Result<Evaluation> copy(const TexelRegion& region, const Budget& budget, Image& out) const {
+        const int side_log2 = grid_.cell_log2 - region.level;
+        const std::int64_t x = region.x >> side_log2, y = region.y >> side_log2;
+        const auto width = static_cast<std::int32_t>(((region.x + region.width - 1) >> side_log2) - x + 1);
+        const auto height = static_cast<std::int32_t>(((region.y + region.height - 1) >> side_log2) - y + 1);
+        const auto& all = images_of(region.level, out);
+        Images images{*this, region.slice, x, y, width, height};
+        CellRowCopy rows{.images = texels_of(all).data(),
+                         .side_log2 = side_log2,
+                         .skip = static_cast<std::int32_t>(region.x - (x << side_log2)),
+                         .width = region.width,
+                         .out_row_texels = std::size_t(region.width)};
+        const std::int64_t side = std::int64_t{1} << side_log2;
+        for (std::int64_t cell = y; cell < y + height; ++cell) {
+            if (auto spent = check_budget(budget); !spent) return spent.error();
+            const std::int64_t top = cell * side;
+            rows.index = images.row(cell);
+            rows.from_row = static_cast<std::int32_t>(std::max<std::int64_t>(region.y - top, 0));
+            rows.to_row = static_cast<std::int32_t>(std::min(region.y + region.height - top, side));
+            rows.out = out.row(static_cast<std::int32_t>(top + rows.from_row - region.y));
+            copy_cell_rows<texel_bytes<Image>>(rows);
+        }
+        return Evaluation{.method = "patterns",
+                          .bound_codes = rounding_codes,
+                          .work = std::uint64_t(width) * std::uint64_t(height)};
+    }
+    const LinearImage& images_of(int level, const LinearImage&) const { return mips_->linear(level); }
+    const Rgba8Image& images_of(int level, const Rgba8Image&) const { return mips_->codes(level); }
+
+    /// Texels of n × n cells: sums of the cells' own, in integers.
+    Result<Evaluation> sum_cells(const TexelRegion& region, const Budget& budget, LinearImage& out) const {
+        const int up = region.level - grid_.cell_log2;
+        const std::int64_t n = std::int64_t{1} << up;
+        const double unit = mips_->sum_unit() * static_cast<double>(n) * static_cast<double>(n);
+        std::vector<std::array<std::int64_t, 4>> sums(std::size_t(region.width));
+        for (std::int32_t row = 0; row < region.height; ++row) {
+            const std::int64_t y = (region.y + row) * n;
+            Images images{*this,
+                          region.slice,
+                          region.x * n,
+                          y,
+                          static_cast<std::int32_t>(region.width * n),
+                          static_cast<std::int32_t>(n)};
+            std::fill(sums.begin(), sums.end(), std::array<std::int64_t, 4>{});
+            for (std::int64_t cell_y = y; cell_y < y + n; ++cell_y) {
+                if (auto spent = check_budget(budget); !spent) return spent.error();
+                const std::uint32_t* image = images.row(cell_y);
+                for (auto& sum : sums)
+                    for (std::int64_t cell = 0; cell < n; ++cell, ++image) {
+                        const auto& of = mips_->sum(*image);
+                        for (std::size_t channel = 0; channel < 4; ++channel) sum[channel] += of[channel];
+                    }
+            }
+            float* texel = out.row(row);
+            for (const auto& sum : sums)
+                for (const std::int64_t channel : sum)
+                    *texel++ = static_cast<float>(static_cast<double>(channel) / unit);
+        }
+        return Evaluation{
+            .method = "cells",
+            .bound_codes = rounding_codes,
+            .work = std::uint64_t(region.width) * std::uint64_t(region.height) * std::uint64_t(n * n)};
+    }
+
+    Grid grid_;
+    std::shared_ptr<const CellProgram> program_;
+    std::shared_ptr<const PatternMips> mips_;
+};
+
+}  // namespace
+
+std::shared_ptr<const PatternTexture> make_cell_texture(const ReferencePlan& plan) {
+    auto mips = std::make_shared<const PatternMips>(*plan.patterns);
+    if (plan.program->basis() == CellProgram::Basis::typed) {
+        std::vector<std::int32_t> pattern_of_type;
+        for (std::uint32_t type = 0; type < plan.grid.quadtree->types(); ++type)
+            pattern_of_type.push_back(plan.program->look_of_type(static_cast<std::uint16_t>(type)).pattern);
+        return make_typed_texture(plan.grid, std::move(mips), std::move(pattern_of_type));
+    }
+    return std::make_shared<DrawnCells>(plan, std::move(mips));
+}
+
+}  // namespace tessera
