@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace tessera {
+
+inline constexpr std::int32_t stretch_cells = 1024;
+inline constexpr std::int32_t max_reach = 4;  ///< Corners of corners: so many cells further.
+
+/// Cells of one row that are worked on at a time.
+struct Stretch {
+    std::int64_t x = 0;
+    std::int64_t y = 0;
+    std::int64_t z = 0;
+    std::int64_t step = 0;
+    std::int32_t count = 0;                ///< At most stretch_cells + max_reach.
+    const std::uint16_t* types = nullptr;  ///< Of these cells, where something is typed.
+};
+
+/// One small function of the graph, over a stretch of cells: integers, or numbers in steps of 2^-16. Called
+/// once a stretch; its loops are over cells.
+class CellOp {
+  public:
+    virtual ~CellOp() = default;
+    CellOp() = default;
+    CellOp(const CellOp&) = delete;
+    CellOp& operator=(const CellOp&) = delete;
+
+    /// `in`: a row of integers for each input; where an input is read at corners, four rows in its place.
+    virtual void run(const Stretch& stretch, const std::int32_t* const* in, std::int32_t* out) const = 0;
+    virtual std::size_t memory_bytes() const noexcept { return 0; }
+};
+
+inline constexpr std::size_t max_inputs = 5;
+
+/// Numbers are held in steps of 2^-16.
+inline constexpr std::int32_t number_one = 65536;
+
+}  // namespace tessera

@@ -1,0 +1,143 @@
+#include <algorithm>
+
+#include "server/blocks/draw_field.h"
+#include "server/blocks/generators.h"
+#include "shared/math/hash.h"
+
+namespace tessera {
+
+namespace {
+
+constexpr std::size_t max_typed_grids = 64;  // Each holds tables of some megabytes
+
+/// The nodes that the looks of a reference texture come from.
+std::vector<std::size_t> nodes_under(const Compilation& c, const PendingReference& reference) {
+    std::vector<bool> needed(c.nodes.size(), false);
+    needed[reference.index] = true;
+    if (const TransformNodes* transform = reference.transform.get(); transform != nullptr)
+        for (const std::size_t node : {transform->x, transform->y, transform->turn, transform->scale})
+            needed[node] = true;
+    std::vector<std::size_t> under;
+    for (std::size_t node = c.nodes.size(); node-- > 0;) {
+        if (!needed[node]) continue;
+        under.push_back(node);
+        for (const std::size_t input : c.nodes[node].inputs) needed[input] = true;
+    }
+    return under;
+}
+
+std::string_view generator_word(Generator generator) {
+    switch (generator) {
+        case proto::Draw::typed:
+            return "typed";
+        case proto::Draw::nested:
+            return "nested";
+        case proto::Draw::sigma:
+            return "sigma";
+        default:
+            return "independent";
+    }
+}
+
+}  // namespace
+
+Result<void> choose_generators(Compilation& c) {
+    struct Looks {
+        std::size_t block;
+        std::vector<std::size_t> draws;
+        const CellNode* varies = nullptr;  // Why draws may not be typed: a map, …
+        std::size_t corners = no_block;    // … draws that neighbours see, …
+        bool mixed = false;                // … or another generator.
+    };
+    std::vector<Looks> textures;
+    std::vector<bool> at_corners(c.nodes.size(), false);
+    for (std::size_t node = c.nodes.size(); node-- > 0;) {
+        const CellNode& user = c.nodes[node];
+        for (std::size_t i = 0; i < user.inputs.size(); ++i)
+            if (at_corners[node] || (user.corners && i == 0)) at_corners[user.inputs[i]] = true;
+    }
+    for (const PendingReference& reference : c.references) {
+        Looks texture{reference.block, {}, nullptr, no_block, false};
+        for (const std::size_t node : nodes_under(c, reference)) {
+            if (c.nodes[node].map) texture.varies = &c.nodes[node];
+            if (!c.nodes[node].draw) continue;
+            texture.draws.push_back(node);
+            if (at_corners[node]) texture.corners = node;
+        }
+        textures.push_back(std::move(texture));
+    }
+
+    // Draws become independent one texture after the other, until no more do
+    for (bool changed = true; changed;) {
+        changed = false;
+        for (Looks& texture : textures) {
+            if (texture.mixed) continue;
+            texture.mixed = texture.varies != nullptr || texture.corners != no_block;
+            for (const std::size_t node : texture.draws) {
+                const Generator generator = c.nodes[node].draw->generator;
+                texture.mixed |= generator != proto::Draw::automatic && generator != proto::Draw::typed;
+            }
+            if (!texture.mixed) continue;
+            for (const std::size_t node : texture.draws) {
+                Generator& generator = c.nodes[node].draw->generator;
+                if (generator == proto::Draw::automatic) generator = proto::Draw::independent, changed = true;
+            }
+        }
+    }
+    for (const Looks& texture : textures) {
+        for (const std::size_t node : texture.draws) {
+            const CellNode& draw = c.nodes[node];
+            if (draw.draw->generator != proto::Draw::typed) continue;
+            const auto name = [&](std::size_t block) {
+                return "\"" + c.graph.blocks[block].message->name() + "\"";
+            };
+            if (texture.varies != nullptr)
+                return c.error(draw.block, ".generator",
+                               "is typed, but the looks of " + name(texture.block) +
+                                   " vary over the plane with " + name(texture.varies->block) +
+                                   "; leave it out, or make it independent");
+            if (at_corners[node])
+                return c.error(
+                    draw.block, ".generator",
+                    "is typed, but transition tiles read it in neighbouring cells; leave it out, or "
+                    "make it independent");
+        }
+    }
+
+    std::size_t typed_grids = 0;
+    for (CellNode& node : c.nodes) {
+        if (!node.draw) continue;
+        CellDraw& draw = *node.draw;
+        GridBlock& grid = c.grids.at(node.grid);
+        if (draw.generator == proto::Draw::automatic) draw.generator = proto::Draw::typed;
+        switch (draw.generator) {
+            case proto::Draw::typed:
+                if (grid.grid.quadtree == nullptr) {
+                    if (++typed_grids > max_typed_grids)
+                        return c.error(node.grid, "",
+                                       "is one of more than " + std::to_string(max_typed_grids) +
+                                           " grids with typed draws; share grids, or make draws independent");
+                    grid.grid.quadtree = std::make_shared<const TypedQuadtree>(
+                        mix(c.seed ^ stream("grid " + grid.grid.name)), grid.types);
+                    c.notes[node.grid] += ", " + std::to_string(grid.types) + " types";
+                }
+                node.op = make_typed_op(c.seed, draw, grid.types);
+                break;
+            case proto::Draw::nested:
+                node.op = make_nested_op(c.seed, draw);
+                break;
+            case proto::Draw::sigma:
+                node.op = make_sigma_op(c.seed, draw);
+                break;
+            default:
+                node.op = make_independent_op(c.seed, draw);
+                break;
+        }
+        std::string& note = c.notes[node.block];
+        note = std::string{generator_word(draw.generator)} + ", draws " + std::to_string(draw.count) +
+               (note.empty() ? "" : ", " + note);
+    }
+    return {};
+}
+
+}  // namespace tessera

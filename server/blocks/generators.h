@@ -1,0 +1,25 @@
+#pragma once
+
+#include <memory>
+
+#include "server/blocks/cell_node.h"
+
+namespace tessera {
+
+/// `independent`: a counter hash of the cell.
+std::shared_ptr<const CellOp> make_independent_op(std::uint64_t seed, const CellDraw& draw);
+
+/// `nested`: thresholds of DESIGN section 2, ⌊r·count⌋.
+std::shared_ptr<const CellOp> make_nested_op(std::uint64_t seed, const CellDraw& draw);
+
+/// `sigma`: the paper's permutation series, for comparison.
+std::shared_ptr<const CellOp> make_sigma_op(std::uint64_t seed, const CellDraw& draw);
+
+/// `typed`: the draw of each type, every alternative equally often over the types, to within one. Draws of
+/// one key are of one shuffle.
+std::shared_ptr<const CellOp> make_typed_op(std::uint64_t seed, const CellDraw& draw, std::uint32_t types);
+
+/// What a table gives for each type.
+std::shared_ptr<const CellOp> make_type_table_op(std::vector<std::int32_t> table);
+
+}  // namespace tessera

@@ -1,0 +1,40 @@
+// `independent`: the paper's virtual indirection map (3.2) with a counter hash in place of its permutations.
+#include <algorithm>
+
+#include "server/blocks/generators.h"
+#include "server/blocks/kernels.h"
+
+namespace tessera {
+
+namespace {
+
+class IndependentOp final : public CellOp {
+  public:
+    IndependentOp(std::uint64_t base, std::uint32_t count)
+        : base_{base}, count_{count}, kernels_{block_kernels()} {}
+
+    void run(const Stretch& stretch, const std::int32_t* const*, std::int32_t* out) const override {
+        constexpr std::int64_t mask = (std::int64_t{1} << row_log2) - 1;
+        for (std::int32_t done = 0; done < stretch.count;) {
+            const std::int64_t x = stretch.x + done;
+            const auto run = static_cast<std::int32_t>(
+                std::min<std::int64_t>(stretch.count - done, mask + 1 - (x & mask)));
+            kernels_.draw(row_key(base_, x, stretch.y, stretch.z), static_cast<std::uint32_t>(x & mask), run,
+                          count_, out + done);
+            done += run;
+        }
+    }
+
+  private:
+    std::uint64_t base_;
+    std::uint32_t count_;
+    const BlockKernels& kernels_;
+};
+
+}  // namespace
+
+std::shared_ptr<const CellOp> make_independent_op(std::uint64_t seed, const CellDraw& draw) {
+    return std::make_shared<IndependentOp>(stream_base(seed, draw.key), draw.count);
+}
+
+}  // namespace tessera

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "server/blocks/row_hash.h"
+
+namespace tessera {
+
+/// The inner loops over cells, compiled once for each instruction set from kernels_body.inc. Integers only:
+/// all give the same.
+struct BlockKernels {
+    /// Draws below `count` (1 to 65536) for cells x, x + 1, … of the row that `key` is of; x + cells at most
+    /// 2^row_log2. The draw is ⌊bits·count / 2^32⌋, and drawn again where that would favour some (Lemire).
+    void (*draw)(RowKey key, std::uint32_t x, std::int32_t cells, std::uint32_t count, std::int32_t* out);
+
+    /// Cells between the same four nodes of a dithered map, from column `column` of 2^cells_log2 on.
+    struct DitherRun {
+        RowKey key;
+        std::uint32_t x;  ///< As for draw.
+        std::int32_t cells;
+        int cells_log2;         ///< 1 to 16.
+        std::uint32_t column;   ///< The first cell's, from the left nodes.
+        std::uint32_t down;     ///< Jitters from this on, in 2^-16 of the nodes' distance, move down.
+        std::int32_t nodes[4];  ///< Top-left, top-right, bottom-left, bottom-right.
+    };
+    void (*dither)(const DitherRun& run, std::int32_t* out);
+    /// The same where nodes are so close that runs would be short: `top` and `bottom` are the rows of nodes
+    /// from the one left of the first cell on.
+    void (*dither_close)(const DitherRun& run, const std::int32_t* top, const std::int32_t* bottom,
+                         std::int32_t* out);
+
+    void (*look_up)(const std::int32_t* table, const std::int32_t* in, std::int32_t cells, std::int32_t* out);
+    void (*look_up_types)(const std::int32_t* table, const std::uint16_t* types, std::int32_t cells,
+                          std::int32_t* out);
+    /// out = table[row·stride + column]
+    void (*look_up_pairs)(const std::int32_t* table, std::int32_t stride, const std::int32_t* row,
+                          const std::int32_t* column, std::int32_t cells, std::int32_t* out);
+    /// out = c0 | c1 << bits | c2 << 2·bits | c3 << 3·bits
+    void (*join_corners)(const std::int32_t* const* corners, int bits, std::int32_t cells, std::int32_t* out);
+};
+
+/// The best that this processor runs; `TESSERA_KERNELS=x86-64|avx2|avx512` in the environment asks for less.
+const BlockKernels& block_kernels() noexcept;
+
+/// By name; null if this processor does not run it.
+const BlockKernels* block_kernels_of(const char* name) noexcept;
+
+}  // namespace tessera

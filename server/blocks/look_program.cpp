@@ -1,0 +1,167 @@
+#include "server/blocks/look_program.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+#include "server/blocks/kernels.h"
+#include "server/blocks/look_shares.h"
+
+namespace tessera {
+
+namespace {
+
+/// Rows of integers, kept by each thread from one stretch to the next.
+std::int32_t* thread_space(std::size_t size) {
+    thread_local std::vector<std::int32_t> space;
+    if (space.size() < size) space.resize(size);
+    return space.data();
+}
+
+class LookProgram final : public CellProgram {
+  public:
+    LookProgram(const std::shared_ptr<const std::vector<CellNode>>& nodes,
+                const std::array<std::size_t, 5>& roots, const LookSteps& steps, std::uint32_t types)
+        : shares_{nodes, roots[0], roots[3], roots[4], steps},
+          steps_{steps},
+          patterns_{*nodes, std::span{roots}.first(1), CellSchedule::Rows::stretches},
+          looks_{*nodes, roots, CellSchedule::Rows::stretches},
+          kernels_{block_kernels()} {
+        const Classified found = classify(*nodes, roots);
+        needs_types_ = found.typed;
+        moves_ = found.steps;
+        basis_ = shares_.basis();
+        if (basis_ == Basis::constant || basis_ == Basis::typed) {
+            // Places count too where the type is to say all
+            if (found.other || found.drawn)
+                basis_ = Basis::stationary;
+            else
+                basis_ = found.typed ? Basis::typed : Basis::constant;
+        }
+        if (basis_ == Basis::constant || basis_ == Basis::typed) tabulate(basis_ == Basis::typed ? types : 1);
+    }
+
+    void patterns(const CellRow& row, std::int32_t* out) const override {
+        if (tabulated(row)) {
+            if (basis_ == Basis::typed)
+                kernels_.look_up_types(pattern_of_type_.data(), row.types, row.count, out);
+            else
+                std::fill_n(out, row.count, pattern_of_type_.front());
+            return;
+        }
+        std::int32_t* space = thread_space(patterns_.space());
+        for (std::int32_t done = 0; done < row.count; done += stretch_cells) {
+            const Stretch stretch = stretch_of(row, done);
+            patterns_.run(stretch, space);
+            std::copy_n(patterns_.root(0, space), stretch.count, out + done);
+        }
+    }
+
+    void looks(const CellRow& row, Look* out) const override {
+        if (tabulated(row)) {
+            for (std::int32_t i = 0; i < row.count; ++i)
+                out[i] = look_of_type_[basis_ == Basis::typed ? row.types[i] : 0];
+            return;
+        }
+        std::int32_t* space = thread_space(looks_.space());
+        for (std::int32_t done = 0; done < row.count; done += stretch_cells) {
+            const Stretch stretch = stretch_of(row, done);
+            looks_.run(stretch, space);
+            pack(space, stretch.count, out + done);
+        }
+    }
+
+    Basis basis() const noexcept override { return basis_; }
+    bool needs_types() const noexcept override { return needs_types_; }
+    bool independent_cells() const noexcept override { return shares_.independent_cells(); }
+    Look look_of_type(std::uint16_t type) const override {
+        if (look_of_type_.empty()) return {};
+        return look_of_type_[basis_ == Basis::typed ? type : 0];
+    }
+    std::optional<VaryingMap> varying() const override { return shares_.varying(); }
+    std::vector<LookShare> shares(std::span<const std::int32_t> states) const override {
+        return shares_.shares(states);
+    }
+    std::size_t memory_bytes() const noexcept override {
+        return looks_.memory_bytes() + pattern_of_type_.size() * sizeof(std::int32_t) +
+               look_of_type_.size() * sizeof(Look);
+    }
+
+  private:
+    struct Classified {
+        bool typed = false, drawn = false, other = false, steps = false;
+    };
+    static Classified classify(const std::vector<CellNode>& nodes, const std::array<std::size_t, 5>& roots) {
+        std::vector<bool> needed(nodes.size(), false);
+        for (const std::size_t root : roots) needed[root] = true;
+        Classified found;
+        for (std::size_t node = nodes.size(); node-- > 0;) {
+            if (!needed[node]) continue;
+            for (const std::size_t input : nodes[node].inputs) needed[input] = true;
+            found.steps |= nodes[node].steps;
+            found.other |= nodes[node].map.has_value();
+            if (!nodes[node].draw) continue;
+            const bool is_typed = nodes[node].draw->generator == proto::Draw::typed;
+            found.typed |= is_typed;
+            found.drawn |= !is_typed;
+        }
+        return found;
+    }
+
+    static Stretch stretch_of(const CellRow& row, std::int32_t done) noexcept {
+        return {row.x + done,
+                row.y,
+                row.z,
+                row.step,
+                std::min(row.count - done, stretch_cells),
+                row.types == nullptr ? nullptr : row.types + done};
+    }
+
+    /// The tables hold what is shown at step 0.
+    bool tabulated(const CellRow& row) const noexcept {
+        return !pattern_of_type_.empty() && (!moves_ || row.step == 0);
+    }
+
+    void pack(const std::int32_t* space, std::int32_t count, Look* out) const noexcept {
+        const std::int32_t *pattern = looks_.root(0, space), *x = looks_.root(1, space),
+                           *y = looks_.root(2, space), *turn = looks_.root(3, space),
+                           *scale = looks_.root(4, space);
+        for (std::int32_t i = 0; i < count; ++i)
+            out[i] = {pattern[i], static_cast<std::uint16_t>(std::min(x[i], number_one - 1)),
+                      static_cast<std::uint16_t>(std::min(y[i], number_one - 1)), steps_.turn(turn[i]),
+                      steps_.scale(scale[i])};
+    }
+
+    void tabulate(std::uint32_t types) {
+        std::vector<std::uint16_t> all(types);
+        std::iota(all.begin(), all.end(), std::uint16_t{0});
+        std::vector<std::int32_t> space(looks_.space());
+        look_of_type_.resize(types);
+        const CellRow row{.count = static_cast<std::int32_t>(types), .types = all.data()};
+        for (std::int32_t done = 0; done < row.count; done += stretch_cells) {
+            const Stretch stretch = stretch_of(row, done);
+            looks_.run(stretch, space.data());
+            pack(space.data(), stretch.count, look_of_type_.data() + done);
+        }
+        for (const Look& look : look_of_type_) pattern_of_type_.push_back(look.pattern);
+    }
+
+    LookShares shares_;
+    LookSteps steps_;
+    CellSchedule patterns_, looks_;
+    const BlockKernels& kernels_;
+    Basis basis_ = Basis::other;
+    bool needs_types_ = false, moves_ = false;
+    std::vector<std::int32_t> pattern_of_type_;
+    std::vector<Look> look_of_type_;
+};
+
+}  // namespace
+
+std::shared_ptr<const CellProgram> make_look_program(std::shared_ptr<const std::vector<CellNode>> nodes,
+                                                     const std::array<std::size_t, 5>& roots,
+                                                     const LookSteps& steps, std::uint32_t types) {
+    return std::make_shared<LookProgram>(nodes, roots, steps, types);
+}
+
+}  // namespace tessera

@@ -1,0 +1,261 @@
+#include "server/blocks/look_shares.h"
+
+#include <algorithm>
+#include <map>
+
+namespace tessera {
+
+namespace {
+
+using Basis = CellProgram::Basis;
+
+/// Whether the fraction a comes before b.
+bool before(std::pair<std::uint32_t, std::uint32_t> a, std::pair<std::uint32_t, std::uint32_t> b) noexcept {
+    return std::uint64_t{a.first} * b.second < std::uint64_t{b.first} * a.second;
+}
+
+}  // namespace
+
+LookShares::LookShares(std::shared_ptr<const std::vector<CellNode>> nodes, std::size_t pattern,
+                       std::size_t turn, std::size_t scale, const LookSteps& steps)
+    : roots_{pattern, turn, scale}, steps_{steps}, nodes_{std::move(nodes)} {
+    // Join those of the three that share a draw
+    std::array<int, 3> group_of{0, 1, 2};
+    std::array<Group, 3> alone{make_group(std::array{0}), make_group(std::array{1}),
+                               make_group(std::array{2})};
+    const auto share = [](const Group& a, const Group& b) {
+        for (const Variable& v : a.variables)
+            for (const Variable& w : b.variables)
+                if (v.key == w.key && v.dx == w.dx && v.dy == w.dy) return true;
+        return false;
+    };
+    for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < a; ++b)
+            if (share(alone[static_cast<std::size_t>(a)], alone[static_cast<std::size_t>(b)])) {
+                const int from = group_of[static_cast<std::size_t>(a)],
+                          to = group_of[static_cast<std::size_t>(b)];
+                std::replace(group_of.begin(), group_of.end(), from, to);
+            }
+    for (int g = 0; g < 3; ++g) {
+        std::vector<int> parts;
+        for (int part = 0; part < 3; ++part)
+            if (group_of[static_cast<std::size_t>(part)] == g) parts.push_back(part);
+        if (!parts.empty()) groups_.push_back(make_group(parts));
+    }
+
+    // What the leaves are
+    bool typed = false, drawn = false, other = false, draws_at_corners = false;
+    for (const Group& group : groups_) {
+        other |= group.states > max_states;
+        for (const CellSchedule::Leaf& leaf : group.schedule.leaves()) {
+            const CellNode& node = (*nodes_)[leaf.node];
+            if (node.map) {
+                other |= map_ != nullptr && map_ != &node;
+                other |= leaf.dx > 1 || leaf.dy > 1;
+                map_ = &node;
+                corners_ |= leaf.dx != 0 || leaf.dy != 0;
+                continue;
+            }
+            const Generator generator = node.draw->generator;
+            typed |= generator == proto::Draw::typed;
+            drawn |= generator != proto::Draw::typed;
+            other |= generator == proto::Draw::sigma;  // Nothing is sure of how often sigma draws what
+            independent_ &= generator == proto::Draw::independent;
+            draws_at_corners |= leaf.dx != 0 || leaf.dy != 0;
+        }
+    }
+    if (map_ != nullptr) {
+        independent_ &= !map_->map->nested;
+        // A draw of the stream that dithers tells of the map's state
+        for (const Group& group : groups_)
+            for (const Variable& variable : group.variables)
+                other |= map_->map->key != 0 && variable.key == map_->map->key;
+    } else {
+        independent_ &= !draws_at_corners;
+    }
+    std::uint64_t outcomes = 1;
+    for (const Group& group : groups_) {
+        std::uint64_t most = 1;
+        for (int i = 0; i < group.part_count; ++i) {
+            const CellNode& root =
+                (*nodes_)[roots_[static_cast<std::size_t>(group.parts[static_cast<std::size_t>(i)])]];
+            most = std::min(most * static_cast<std::uint64_t>(std::int64_t{root.most} - root.least + 1),
+                            max_states);
+        }
+        outcomes *= std::min(most, group.states);
+        other |= outcomes > max_states;
+        outcomes = std::min(outcomes, max_states);
+    }
+    if (other)
+        basis_ = Basis::other;
+    else if (map_ != nullptr)
+        basis_ = Basis::varying;
+    else if (drawn)
+        basis_ = Basis::stationary;
+    else if (typed)
+        basis_ = Basis::typed;
+}
+
+LookShares::Group LookShares::make_group(std::span<const int> parts) const {
+    std::vector<std::size_t> roots;
+    for (const int part : parts) roots.push_back(roots_[static_cast<std::size_t>(part)]);
+    Group group{{}, 0, CellSchedule{*nodes_, roots, CellSchedule::Rows::corners}, {}, {}, 1};
+    for (const int part : parts) group.parts[static_cast<std::size_t>(group.part_count++)] = part;
+
+    const auto leaves = group.schedule.leaves();
+    for (std::size_t i = 0; i < leaves.size(); ++i) {
+        const CellNode& node = (*nodes_)[leaves[i].node];
+        if (node.map) {
+            group.map_leaves.push_back(i);
+            continue;
+        }
+        const CellDraw& draw = *node.draw;
+        const bool is_typed = draw.generator == proto::Draw::typed;
+        // All typed draws follow from the cell's type; a generator's draws tell nothing of another's
+        const std::uint64_t key = is_typed ? 0 : draw.key ^ static_cast<std::uint64_t>(draw.generator) << 56;
+        auto found = std::find_if(group.variables.begin(), group.variables.end(), [&](const Variable& v) {
+            return v.key == key && v.dx == leaves[i].dx && v.dy == leaves[i].dy;
+        });
+        if (found == group.variables.end()) {
+            group.variables.push_back({key, leaves[i].dx, leaves[i].dy, is_typed, draw.count, {}, {}, {}});
+            found = group.variables.end() - 1;
+        }
+        found->leaves.push_back(i);
+    }
+    for (Variable& variable : group.variables) {
+        if (variable.typed) {
+            // The op tells of each type; its table's length is the number of types
+            variable.types = static_cast<std::uint32_t>(
+                (*nodes_)[leaves[variable.leaves.front()].node].op->memory_bytes() / sizeof(std::int32_t));
+            variable.weights.assign(variable.types, 1.0 / variable.types);
+        } else {
+            std::vector<std::uint32_t> counts;
+            for (const std::size_t leaf : variable.leaves)
+                counts.push_back((*nodes_)[leaves[leaf].node].draw->count);
+            std::sort(counts.begin(), counts.end());
+            counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
+            for (const std::uint32_t count : counts)
+                for (std::uint32_t k = 0; k < count; ++k) variable.starts.emplace_back(k, count);
+            std::sort(variable.starts.begin(), variable.starts.end(), before);
+            variable.starts.erase(std::unique(variable.starts.begin(), variable.starts.end(),
+                                              [](auto a, auto b) { return !before(a, b) && !before(b, a); }),
+                                  variable.starts.end());
+            for (std::size_t s = 0; s < variable.starts.size(); ++s) {
+                const auto [k, n] = variable.starts[s];
+                const auto [next_k, next_n] =
+                    s + 1 < variable.starts.size() ? variable.starts[s + 1] : std::pair{1u, 1u};
+                variable.weights.push_back(
+                    static_cast<double>(std::uint64_t{next_k} * n - std::uint64_t{k} * next_n) /
+                    (static_cast<double>(n) * next_n));
+            }
+        }
+        group.states = group.states > max_states ? group.states : group.states * variable.states();
+    }
+    return group;
+}
+
+std::vector<LookShares::Outcome> LookShares::enumerate(const Group& group,
+                                                       std::span<const std::int32_t> states) const {
+    std::vector<std::int32_t> space(group.schedule.space());
+    const auto leaves = group.schedule.leaves();
+    const auto row_of = [&](std::size_t leaf) {
+        return space.data() + leaves[leaf].row * CellSchedule::row_stride;
+    };
+    for (const std::size_t leaf : group.map_leaves) {
+        const std::size_t state =
+            corners_ ? static_cast<std::size_t>(leaves[leaf].dx + 2 * leaves[leaf].dy) : std::size_t{0};
+        std::fill_n(row_of(leaf), stretch_cells, states[state]);
+    }
+    // What typed draws give, by type
+    std::map<std::size_t, std::vector<std::int32_t>> typed_draws;
+    for (const Variable& variable : group.variables) {
+        if (!variable.typed) continue;
+        for (const std::size_t leaf : variable.leaves) {
+            std::vector<std::int32_t>& draws = typed_draws[leaf];
+            draws.resize(variable.types);
+            std::vector<std::uint16_t> types(stretch_cells);
+            for (std::uint32_t first = 0; first < variable.types; first += stretch_cells) {
+                const auto count = std::min<std::uint32_t>(stretch_cells, variable.types - first);
+                for (std::uint32_t i = 0; i < count; ++i) types[i] = static_cast<std::uint16_t>(first + i);
+                (*nodes_)[leaves[leaf].node].op->run(
+                    {.count = static_cast<std::int32_t>(count), .types = types.data()}, nullptr,
+                    draws.data() + first);
+            }
+        }
+    }
+
+    std::map<std::array<std::int32_t, 3>, double> sums;
+    std::vector<std::uint64_t> at(group.variables.size(), 0);
+    std::vector<double> weights(stretch_cells);
+    for (std::uint64_t done = 0; done < group.states;) {
+        const auto count =
+            static_cast<std::int32_t>(std::min<std::uint64_t>(stretch_cells, group.states - done));
+        for (std::int32_t i = 0; i < count; ++i) {
+            double weight = 1;
+            for (std::size_t v = 0; v < group.variables.size(); ++v) {
+                const Variable& variable = group.variables[v];
+                weight *= variable.weights[at[v]];
+                for (const std::size_t leaf : variable.leaves)
+                    row_of(leaf)[i] =
+                        variable.typed
+                            ? typed_draws[leaf][at[v]]
+                            : static_cast<std::int32_t>(std::uint64_t{variable.starts[at[v]].first} *
+                                                        (*nodes_)[leaves[leaf].node].draw->count /
+                                                        variable.starts[at[v]].second);
+            }
+            weights[static_cast<std::size_t>(i)] = weight;
+            for (std::size_t v = 0; v < at.size(); ++v) {
+                if (++at[v] < group.variables[v].states()) break;
+                at[v] = 0;
+            }
+        }
+        group.schedule.run({.count = count}, space.data());
+        for (std::int32_t i = 0; i < count; ++i) {
+            std::array<std::int32_t, 3> values{};
+            for (std::size_t part = 0; part < static_cast<std::size_t>(group.part_count); ++part) {
+                const std::int32_t value = group.schedule.root(part, space.data())[i];
+                const int which = group.parts[part];
+                values[static_cast<std::size_t>(which)] = which == 0   ? value
+                                                          : which == 1 ? steps_.turn(value)
+                                                                       : steps_.scale(value);
+            }
+            sums[values] += weights[static_cast<std::size_t>(i)];
+        }
+        done += static_cast<std::uint64_t>(count);
+    }
+    double total = 0;
+    for (const auto& [values, share] : sums) total += share;
+    std::vector<Outcome> outcomes;
+    for (const auto& [values, share] : sums) outcomes.push_back({values, share / total});
+    return outcomes;
+}
+
+std::optional<VaryingMap> LookShares::varying() const {
+    if (basis_ != Basis::varying) return std::nullopt;
+    return VaryingMap{map_->map->map.get(), map_->map->sampling, corners_, map_->map->nested};
+}
+
+std::vector<LookShare> LookShares::shares(std::span<const std::int32_t> states) const {
+    const std::size_t needed = map_ == nullptr ? 0 : corners_ ? 4 : 1;
+    if (basis_ == Basis::other || states.size() < needed) return {};
+    std::vector<Outcome> all{{{0, 0, 0}, 1.0}};
+    for (const Group& group : groups_) {
+        const std::vector<Outcome> more = enumerate(group, states);
+        std::vector<Outcome> joined;
+        joined.reserve(all.size() * more.size());
+        for (const Outcome& a : all)
+            for (const Outcome& b : more) {
+                Outcome both{a.values, a.share * b.share};
+                for (std::size_t i = 0; i < 3; ++i) both.values[i] += b.values[i];
+                joined.push_back(both);
+            }
+        all = std::move(joined);
+    }
+    std::vector<LookShare> shares;
+    for (const Outcome& outcome : all)
+        shares.push_back({outcome.values[0], static_cast<std::uint8_t>(outcome.values[1]),
+                          static_cast<std::uint8_t>(outcome.values[2]), outcome.share});
+    return shares;
+}
+
+}  // namespace tessera

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "server/blocks/cell_program.h"
+#include "server/blocks/cell_schedule.h"
+#include "server/blocks/compilation.h"
+
+namespace tessera {
+
+/// How often cells show what: enumerates the draws that pattern, turn and scale depend on. Those that two of
+/// them share are enumerated together, others apart.
+class LookShares {
+  public:
+    /// `pattern`, `turn`, `scale`: nodes.
+    LookShares(std::shared_ptr<const std::vector<CellNode>> nodes, std::size_t pattern, std::size_t turn,
+               std::size_t scale, const LookSteps& steps);
+
+    CellProgram::Basis basis() const noexcept { return basis_; }  ///< Of pattern, turn and scale only.
+    bool independent_cells() const noexcept { return independent_; }
+    std::optional<VaryingMap> varying() const;
+    std::vector<LookShare> shares(std::span<const std::int32_t> states) const;
+
+    static constexpr std::uint64_t max_states = std::uint64_t{1} << 20;
+
+  private:
+    /// Draws of one stream at one corner. State s draws ⌊places[s]·count⌋, exactly: see draw_at.
+    struct Variable {
+        std::uint64_t key = 0;
+        int dx = 0, dy = 0;
+        bool typed = false;
+        std::uint32_t types = 0;
+        std::vector<std::pair<std::uint32_t, std::uint32_t>>
+            starts;  ///< Fractions k/n at which states begin.
+        std::vector<double> weights;
+        std::vector<std::size_t> leaves;  ///< Of the group's schedule.
+        std::uint64_t states() const noexcept { return weights.size(); }
+    };
+    /// Some of pattern, turn and scale that draw together.
+    struct Group {
+        std::array<int, 3> parts{};  ///< 0 pattern, 1 turn, 2 scale
+        int part_count = 0;
+        CellSchedule schedule;
+        std::vector<Variable> variables;
+        std::vector<std::size_t> map_leaves;
+        std::uint64_t states = 1;
+    };
+    struct Outcome {
+        std::array<std::int32_t, 3> values;
+        double share;
+    };
+    Group make_group(std::span<const int> parts) const;
+    std::vector<Outcome> enumerate(const Group& group, std::span<const std::int32_t> states) const;
+
+    std::array<std::size_t, 3> roots_;
+    LookSteps steps_;
+    std::shared_ptr<const std::vector<CellNode>> nodes_;
+    std::vector<Group> groups_;
+    CellProgram::Basis basis_ = CellProgram::Basis::constant;
+    bool independent_ = true;
+    const CellNode* map_ = nullptr;
+    bool corners_ = false;
+};
+
+}  // namespace tessera
