@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -32,6 +34,33 @@ struct Rgb16Image {
     std::vector<std::uint16_t> values;  ///< 3·width·height
 };
 
+/// Numbers to be filtered under the decisions of a by-example texture: as large as the asset's images.
+struct DataImages {
+    Rgb16Image exemplar, tile;
+};
+
+/// One or more of them, evaluated together: what is shown where is found out once for all.
+class ExchangeData {
+  public:
+    virtual ~ExchangeData() = default;
+    ExchangeData() = default;
+    ExchangeData(const ExchangeData&) = delete;
+    ExchangeData& operator=(const ExchangeData&) = delete;
+
+    /// Takes a part of a finished row: `width` texels from (x, y) of the region on; values[i] are three
+    /// linear values for each of them, of the i-th image that was asked for.
+    using TakeRow =
+        std::function<void(std::int32_t x, std::int32_t y, std::int32_t width, const float* const* values)>;
+
+    /// `images`: which are asked for. Hands over every texel of the region once. Else as Texture::evaluate().
+    virtual Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
+                                        std::span<const std::size_t> images,
+                                        const TakeRow& take_row) const = 0;
+
+    /// Without what is shared with the texture that it was made from.
+    virtual std::size_t memory_bytes() const noexcept = 0;
+};
+
 /// A by-example texture, and what it shows where.
 class ExchangeTexture : public Texture {
   public:
@@ -39,10 +68,8 @@ class ExchangeTexture : public Texture {
     /// content, counted through all patches, dropped ones left out. Rows of region.width.
     virtual Result<std::vector<std::uint32_t>> sources(const TexelRegion& region) const = 0;
 
-    /// The same decisions for other texels: `exemplar` and `tile` as large as the asset's. Its texels are the
-    /// linear values as they are; codes of pages are 255ths of them.
-    virtual std::shared_ptr<const Texture> with_texels(const Rgb16Image& exemplar,
-                                                       const Rgb16Image& tile) const = 0;
+    /// The same decisions for one to three other images.
+    virtual std::shared_ptr<const ExchangeData> with_texels(std::span<const DataImages> images) const = 0;
 };
 
 /// The most that a texture of this asset may take when it is compiled: what loading checks before it

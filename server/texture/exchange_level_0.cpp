@@ -1,7 +1,8 @@
 #include <algorithm>
-#include <cstring>
+#include <bit>
 
-#include "server/texture/exchange_texture.h"
+#include "server/texture/exchange_walk.h"
+#include "server/texture/kernels.h"
 #include "shared/math/srgb.h"
 
 namespace tessera {
@@ -10,38 +11,79 @@ namespace {
 /// Rows that are blended together: few enough that their sums stay in a near cache.
 constexpr std::int32_t band_rows = 16;
 
+/// Rows of yes and no for every texel.
+class TexelBits {
+  public:
+    TexelBits(std::int32_t width, std::int32_t rows)
+        : words_{std::size_t(width + 63) / 64}, bits_(words_ * std::size_t(rows)) {}
+
+    std::size_t words() const noexcept { return words_; }
+    std::uint64_t* row(std::int32_t row) noexcept { return bits_.data() + std::size_t(row) * words_; }
+    /// Sets [left, right) of a row, not empty.
+    void set(std::int32_t row_index, std::int32_t left, std::int32_t right) noexcept {
+        std::uint64_t* word = row(row_index) + left / 64;
+        std::uint64_t* const last = row(row_index) + (right - 1) / 64;
+        std::uint64_t bits = ~std::uint64_t{0} << left % 64;
+        for (; word != last; bits = ~std::uint64_t{0}) *word++ |= bits;
+        *word |= bits & ~std::uint64_t{0} >> (63 - (right - 1) % 64);
+    }
+
+  private:
+    std::size_t words_;
+    std::vector<std::uint64_t> bits_;
+};
+
+/// Calls `visit(left, right)` for every run of set bits below `width`.
+template <class Visit>
+void for_runs(const std::uint64_t* words, std::int32_t width, const Visit& visit) {
+    const auto find = [&](std::int32_t from, std::uint64_t flip) {
+        for (; from < width; from = (from | 63) + 1)
+            if (const std::uint64_t rest = (words[from / 64] ^ flip) >> from % 64; rest != 0)
+                return std::min(width, from + std::countr_zero(rest));
+        return width;
+    };
+    for (std::int32_t left = find(0, 0); left < width;) {
+        const std::int32_t right = find(left, ~std::uint64_t{0});
+        visit(left, right);
+        left = find(right, 0);
+    }
+}
+
+/// Of a step or, in steps times weight_one, of blended ones, which are no more than 65535.
+void put_linear(float* rgb, std::int32_t red, std::int32_t green, std::int32_t blue, float one) {
+    rgb[0] = static_cast<float>(red) / one;
+    rgb[1] = static_cast<float>(green) / one;
+    rgb[2] = static_cast<float>(blue) / one;
+}
+
 }  // namespace
 
 /// Rows of level 0 under way: what is copied stands in the output already, what is blended is summed until
 /// all shapes have been added. Integers, so that their order does not matter.
-class CompiledExchange::Level0Band {
+class ExchangeWalk::Level0Band {
   public:
-    Level0Band(const CompiledExchange& texture, const Block& block, const Rows& rows)
-        : texture_{texture},
+    Level0Band(const ExchangeWalk& walk, const Block& block)
+        : walk_{walk},
           block_{block},
-          rows_{rows},
-          sums_(std::size_t(block.width) * std::size_t(std::min(block.height, band_rows)) * 4 + 64),
-          blended_(std::size_t(block.width) * std::size_t(std::min(block.height, band_rows))) {}
+          rows_{std::min(block.height, band_rows)},
+          covered_{block.width, rows_},
+          blended_{block.width, rows_},
+          sums_(walk.sources_.size() * texels() * 4 + 64),
+          linear_{walk.codes_ == nullptr ? walk.sources_.size() : 0, block.width, rows_} {}
 
-    /// Begins with the tile everywhere.
     void begin(std::int32_t first, std::int32_t count) {
         first_ = first;
         count_ = count;
-        for (std::int32_t row = first; row < first + count; ++row)
-            tile_runs(row, 0, block_.width,
-                      [&](std::int32_t x, std::int32_t width, std::int32_t u, std::int32_t v) {
-                          copy(texture_.tile_, u, v, width, row, x);
-                      });
     }
 
     /// A shape whose box begins at (x, y) of the block.
     std::uint64_t add(const Shapes::Shape& shape, std::int64_t x, std::int64_t y) {
-        const Shapes& shapes = texture_.layout_->shapes;
+        const Shapes& shapes = walk_.layout_.shapes;
         std::uint64_t texels = 0;
         const std::int64_t from = std::max<std::int64_t>(first_, y);
         const std::int64_t to = std::min<std::int64_t>(first_ + count_, y + shape.height);
         for (std::int64_t at = from; at < to; ++at) {
-            const auto row = static_cast<std::int32_t>(at), line = static_cast<std::int32_t>(at - y);
+            const auto row = static_cast<std::int32_t>(at - first_), line = static_cast<std::int32_t>(at - y);
             const auto segments = shapes.row(shape, line);
             if (!segments.empty())
                 prefetch(shape.from_x + segments.front().begin, shape.from_y + line + prefetch_rows,
@@ -54,8 +96,9 @@ class CompiledExchange::Level0Band {
                 const auto in_box = static_cast<std::int32_t>(left - x);
                 const std::int32_t u = shape.from_x + in_box, v = shape.from_y + line;
                 texels += static_cast<std::uint64_t>(right - left);
+                covered_.set(row, left, right);
                 if (segment.weights == Shapes::Segment::all_one)
-                    copy(texture_.exemplar_, u, v, right - left, row, left);
+                    copy(&ExchangeTexels::exemplar, u, v, right - left, row, left);
                 else
                     blend(shapes.weights(segment) + (in_box - segment.begin), u, v, row, left, right);
             }
@@ -63,51 +106,53 @@ class CompiledExchange::Level0Band {
         return texels;
     }
 
-    /// Writes what was blended, and is ready for the next band.
+    /// Writes what was blended, and the tile where no shape is, and is ready for the next band.
     void finish() {
-        for (std::int32_t row = first_; row < first_ + count_; ++row) {
-            std::uint8_t* const line = blended_.data() + index(row, 0);
-            std::uint8_t* const line_end = line + block_.width;
-            const auto find = [&](std::uint8_t* from, int value) {
-                void* found = std::memchr(from, value, static_cast<std::size_t>(line_end - from));
-                return found == nullptr ? line_end : static_cast<std::uint8_t*>(found);
-            };
-            for (std::uint8_t* at = find(line, 1); at != line_end;) {
-                std::uint8_t* const end = find(at, 0);
-                const auto left = static_cast<std::int32_t>(at - line),
-                           right = static_cast<std::int32_t>(end - line);
+        kernels().blend(code_runs_.data(), code_runs_.size());
+        kernels().blend_steps(step_runs_.data(), step_runs_.size());
+        code_runs_.clear();
+        step_runs_.clear();
+        for (std::int32_t row = 0; row < count_; ++row) {
+            for_runs(blended_.row(row), block_.width, [&](std::int32_t left, std::int32_t right) {
                 tile_runs(row, left, right,
                           [&](std::int32_t x, std::int32_t width, std::int32_t u, std::int32_t v) {
                               put_blended(row, x, width, u, v);
                           });
-                std::fill(at, end, std::uint8_t{0});
-                std::fill_n(sums_.begin() + static_cast<std::ptrdiff_t>(index(row, left) * 4),
-                            (right - left) * 4, 0);
-                at = find(end, 1);
-            }
+            });
+            std::uint64_t* const covered = covered_.row(row);
+            for (std::size_t i = 0; i < covered_.words(); ++i) covered[i] = ~covered[i];
+            for_runs(covered, block_.width, [&](std::int32_t left, std::int32_t right) {
+                tile_runs(row, left, right,
+                          [&](std::int32_t x, std::int32_t width, std::int32_t u, std::int32_t v) {
+                              copy(&ExchangeTexels::tile, u, v, width, row, x);
+                          });
+            });
+            std::fill_n(covered, covered_.words(), 0);
+            std::fill_n(blended_.row(row), blended_.words(), 0);
         }
+        if (walk_.codes_ == nullptr) walk_.put(block_, first_, count_, linear_);
     }
 
   private:
-    std::size_t index(std::int32_t row, std::int32_t x) const {
-        return std::size_t(row - first_) * std::size_t(block_.width) + std::size_t(x);
+    std::size_t texels() const { return std::size_t(block_.width) * std::size_t(rows_); }
+    std::int32_t* sums(std::size_t source, std::int32_t row, std::int32_t x) {
+        return sums_.data() +
+               (source * texels() + std::size_t(row) * std::size_t(block_.width) + std::size_t(x)) * 4;
     }
     std::uint8_t* codes_at(std::int32_t row, std::int32_t x) const {
-        return rows_.codes->row(block_.out_y + row) + std::ptrdiff_t(block_.out_x + x) * 4;
-    }
-    float* linear_at(std::int32_t row, std::int32_t x) const {
-        return rows_.linear->row(block_.out_y + row) + std::ptrdiff_t(block_.out_x + x) * 4;
+        return walk_.codes_->row(block_.out_y + first_ + row) + std::ptrdiff_t(block_.out_x + x) * 4;
     }
 
     /// Calls `visit(x, width, u, v)` for pieces of [left, right) of a row that begin at the tile's texel (u,
     /// v) and do not wrap.
     template <class Visit>
     void tile_runs(std::int32_t row, std::int32_t left, std::int32_t right, const Visit& visit) const {
-        const std::int64_t wrap = texture_.layout_->tile_side - 1;
-        const auto v = static_cast<std::int32_t>((block_.y + row) & wrap);
+        const std::int64_t wrap = walk_.layout_.tile_side - 1;
+        const auto v = static_cast<std::int32_t>((block_.y + first_ + row) & wrap);
+        const std::int32_t tile_width = walk_.sources_[0]->tile.width();
         while (left < right) {
             const auto u = static_cast<std::int32_t>((block_.x + left) & wrap);
-            const std::int32_t width = std::min(right - left, texture_.tile_.width() - u);
+            const std::int32_t width = std::min(right - left, tile_width - u);
             visit(left, width, u, v);
             left += width;
         }
@@ -116,83 +161,84 @@ class CompiledExchange::Level0Band {
     /// Rows of a box are far apart in the exemplar: no processor guesses where the next one lies.
     static constexpr std::int32_t prefetch_rows = 3;
     void prefetch(std::int32_t u, std::int32_t v, std::int32_t width) const {
-        if (!texture_.exemplar_.has_codes() || v >= texture_.exemplar_.height()) return;
-        const std::uint8_t* texels = texture_.exemplar_.code_row(v) + std::ptrdiff_t{u} * 4;
+        const TexelSource& exemplar = walk_.sources_[0]->exemplar;
+        if (!exemplar.has_codes() || v >= exemplar.height()) return;
+        const std::uint8_t* texels = exemplar.code_row(v) + std::ptrdiff_t{u} * 4;
         for (std::int32_t i = 0; i < width * 4 + 63; i += 64) __builtin_prefetch(texels + i);
     }
 
-    void copy(const TexelSource& source, std::int32_t u, std::int32_t v, std::int32_t width, std::int32_t row,
-              std::int32_t x) const {
-        if (rows_.codes != nullptr) {
-            std::copy_n(source.code_row(v) + std::ptrdiff_t{u} * 4, width * 4, codes_at(row, x));
+    void copy(TexelSource ExchangeTexels::*image, std::int32_t u, std::int32_t v, std::int32_t width,
+              std::int32_t row, std::int32_t x) {
+        if (walk_.codes_ != nullptr) {
+            std::copy_n((walk_.sources_[0]->*image).code_row(v) + std::ptrdiff_t{u} * 4, width * 4,
+                        codes_at(row, x));
             return;
         }
-        float* out = linear_at(row, x);
-        for (std::int32_t i = 0; i < width; ++i, out += 4) {
-            for (std::int32_t c = 0; c < 3; ++c)
-                out[c] = linear(std::uint32_t{source.step(u + i, v, c)} * Shapes::weight_one);
-            out[3] = 1.0F;
+        for (std::size_t s = 0; s < walk_.sources_.size(); ++s) {
+            const TexelSource& from = walk_.sources_[s]->*image;
+            float* rgb = linear_.row(s, row) + std::ptrdiff_t{x} * 3;
+            for (std::int32_t i = 0; i < width; ++i, rgb += 3)
+                put_linear(rgb, from.step(u + i, v, 0), from.step(u + i, v, 1), from.step(u + i, v, 2),
+                           linear_one);
         }
     }
 
-    /// weight·(content − tile) on top of what other shapes have added.
+    /// weight·(content − tile) on top of what other shapes add: later, when what is read is near.
     void blend(const std::uint16_t* weights, std::int32_t u, std::int32_t v, std::int32_t row,
                std::int32_t left, std::int32_t right) {
-        const TexelSource &exemplar = texture_.exemplar_, &tile = texture_.tile_;
-        std::fill_n(blended_.begin() + static_cast<std::ptrdiff_t>(index(row, left)), right - left,
-                    std::uint8_t{1});
-        tile_runs(row, left, right,
-                  [&](std::int32_t x, std::int32_t width, std::int32_t tile_u, std::int32_t tile_v) {
-                      std::int32_t* sums = sums_.data() + index(row, x) * 4;
-                      const std::int32_t from = u + x - left;
-                      const std::uint16_t* weight = weights + (x - left);
-                      if (tile.has_codes()) {
-                          kernels().blend(exemplar.code_row(v) + std::ptrdiff_t{from} * 4,
-                                          tile.code_row(tile_v) + std::ptrdiff_t{tile_u} * 4, weight, width,
-                                          sums);
-                          return;
-                      }
-                      for (std::int32_t i = 0; i < width; ++i)
-                          for (std::int32_t c = 0; c < 3; ++c)
-                              sums[i * 4 + c] += weight[i] * (std::int32_t{exemplar.step(from + i, v, c)} -
-                                                              std::int32_t{tile.step(tile_u + i, tile_v, c)});
-                  });
+        blended_.set(row, left, right);
+        // The tile's rows go on as far as the widest box: a run never wraps
+        const std::int64_t wrap = walk_.layout_.tile_side - 1;
+        const auto tile_u = static_cast<std::int32_t>((block_.x + left) & wrap);
+        const auto tile_v = static_cast<std::int32_t>((block_.y + first_ + row) & wrap);
+        for (std::size_t s = 0; s < walk_.sources_.size(); ++s) {
+            const TexelSource &exemplar = walk_.sources_[s]->exemplar, &tile = walk_.sources_[s]->tile;
+            if (tile.has_codes())
+                code_runs_.push_back({exemplar.code_row(v) + std::ptrdiff_t{u} * 4,
+                                      tile.code_row(tile_v) + std::ptrdiff_t{tile_u} * 4, weights,
+                                      sums(s, row, left), right - left});
+            else
+                step_runs_.push_back({exemplar.step_row(v) + std::ptrdiff_t{u} * 4,
+                                      tile.step_row(tile_v) + std::ptrdiff_t{tile_u} * 4, weights,
+                                      sums(s, row, left), right - left});
+        }
     }
 
-    void put_blended(std::int32_t row, std::int32_t x, std::int32_t width, std::int32_t u,
-                     std::int32_t v) const {
-        const std::int32_t* sums = sums_.data() + index(row, x) * 4;
-        const TexelSource& tile = texture_.tile_;
-        if (rows_.codes != nullptr) {
-            kernels().encode_blended(sums, tile.code_row(v) + std::ptrdiff_t{u} * 4, width, codes_at(row, x));
+    void put_blended(std::int32_t row, std::int32_t x, std::int32_t width, std::int32_t u, std::int32_t v) {
+        if (walk_.codes_ != nullptr) {
+            kernels().encode_blended(sums(0, row, x),
+                                     walk_.sources_[0]->tile.code_row(v) + std::ptrdiff_t{u} * 4, width,
+                                     codes_at(row, x));
             return;
         }
-        float* out = linear_at(row, x);
-        for (std::int32_t i = 0; i < width; ++i, out += 4) {
-            for (std::int32_t c = 0; c < 3; ++c)
-                out[c] = linear(std::uint32_t{tile.step(u + i, v, c)} * Shapes::weight_one +
-                                static_cast<std::uint32_t>(sums[i * 4 + c]));
-            out[3] = 1.0F;
+        for (std::size_t s = 0; s < walk_.sources_.size(); ++s) {
+            const TexelSource& tile = walk_.sources_[s]->tile;
+            std::int32_t* sum = sums(s, row, x);
+            float* rgb = linear_.row(s, row) + std::ptrdiff_t{x} * 3;
+            constexpr auto one = static_cast<std::int32_t>(Shapes::weight_one);
+            for (std::int32_t i = 0; i < width; ++i, rgb += 3, sum += 4) {
+                put_linear(rgb, tile.step(u + i, v, 0) * one + sum[0], tile.step(u + i, v, 1) * one + sum[1],
+                           tile.step(u + i, v, 2) * one + sum[2], linear_one * Shapes::weight_one);
+                std::fill_n(sum, 4, 0);
+            }
         }
     }
 
-    static float linear(std::uint32_t weighted_steps) {
-        return static_cast<float>(weighted_steps) / (linear_one * Shapes::weight_one);
-    }
-
-    const CompiledExchange& texture_;
+    const ExchangeWalk& walk_;
     const Block& block_;
-    const Rows& rows_;
+    const std::int32_t rows_;
     std::int32_t first_ = 0, count_ = 0;
-    std::vector<std::int32_t> sums_;     ///< RGBA
-    std::vector<std::uint8_t> blended_;  ///< 1 where sums are to be added to the tile.
+    TexelBits covered_;               ///< By some shape.
+    TexelBits blended_;               ///< Sums are to be added to the tile.
+    std::vector<std::int32_t> sums_;  ///< Of each source, RGBA.
+    std::vector<Kernels::BlendRun<std::uint8_t>> code_runs_;
+    std::vector<Kernels::BlendRun<std::uint16_t>> step_runs_;
+    SumRows linear_;
 };
 
-Result<Evaluation> CompiledExchange::blend_texels(const Block& block, const Budget& budget,
-                                                  const Rows& rows) const {
-    const ExchangeLayout& layout = *layout_;
-    UnitGrid shown = shown_in(block);
-    Level0Band band{*this, block, rows};
+Result<Evaluation> ExchangeWalk::blend_texels(const Block& block, const Budget& budget) const {
+    UnitGrid shown = layout_.shown_at({0, block.x, block.y, block.width, block.height});
+    Level0Band band{*this, block};
     std::uint64_t work = 0;
     for (std::int32_t first = 0; first < block.height; first += band_rows) {
         if (auto spent = check_budget(budget); !spent) return spent.error();
@@ -200,53 +246,22 @@ Result<Evaluation> CompiledExchange::blend_texels(const Block& block, const Budg
         band.begin(first, count);
         for (std::int64_t uy = shown.y; uy < shown.y + shown.height; ++uy)
             for (std::int64_t ux = shown.x; ux < shown.x + shown.width; ++ux) {
-                const std::int64_t unit_x = (ux << layout.unit_level) - block.x;
-                const std::int64_t unit_y = (uy << layout.unit_level) - block.y;
+                const std::int64_t unit_x = (ux << layout_.unit_level) - block.x;
+                const std::int64_t unit_y = (uy << layout_.unit_level) - block.y;
                 for (const Shown& one :
-                     layout.rows_of(shown.at(ux, uy), first - unit_y, first + count - unit_y)) {
-                    const std::int64_t tile_x = unit_x + std::int64_t{one.tile_x} * layout.tile_side;
-                    const Shapes::Box& box = layout.shapes.box(one.shape);
-                    const std::int64_t y = unit_y + std::int64_t{one.tile_y} * layout.tile_side + box.y;
+                     layout_.rows_of(shown.at(ux, uy), first - unit_y, first + count - unit_y)) {
+                    const std::int64_t tile_x = unit_x + std::int64_t{one.tile_x} * layout_.tile_side;
+                    const Shapes::Box& box = layout_.shapes.box(one.shape);
+                    const std::int64_t y = unit_y + std::int64_t{one.tile_y} * layout_.tile_side + box.y;
                     if (y >= first + count || y + box.height <= first) continue;
                     const std::int64_t x = tile_x + box.x;
                     if (x >= block.width || x + box.width <= 0) continue;
-                    work += band.add(layout.shapes[one.shape], x, y);
+                    work += band.add(layout_.shapes[one.shape], x, y);
                 }
             }
         band.finish();
     }
     return Evaluation{.method = "exemplar", .work = work};
-}
-
-Result<std::vector<std::uint32_t>> CompiledExchange::sources(const TexelRegion& region) const {
-    if (region.level != 0) return Error{ErrorCode::invalid_input, "only level 0 shows one source a texel"};
-    const ExchangeLayout& layout = *layout_;
-    const Block block{0, region.x, region.y, region.width, region.height, 0, 0};
-    UnitGrid shown = shown_in(block);
-    std::vector<std::uint32_t> out(std::size_t(region.width) * std::size_t(region.height));
-    for (std::int64_t uy = shown.y; uy < shown.y + shown.height; ++uy)
-        for (std::int64_t ux = shown.x; ux < shown.x + shown.width; ++ux)
-            for (const Shown& one : shown.at(ux, uy)) {
-                const Shapes::Shape& shape = layout.shapes[one.shape];
-                const std::int64_t x = (ux << layout.unit_level) - block.x +
-                                       std::int64_t{one.tile_x} * layout.tile_side + shape.x;
-                const std::int64_t y = (uy << layout.unit_level) - block.y +
-                                       std::int64_t{one.tile_y} * layout.tile_side + shape.y;
-                for (std::int64_t row = std::max<std::int64_t>(y, 0);
-                     row < std::min<std::int64_t>(y + shape.height, region.height); ++row)
-                    for (const Shapes::Segment& segment :
-                         layout.shapes.row(shape, static_cast<std::int32_t>(row - y))) {
-                        for (std::int32_t column = segment.begin; column < segment.end; ++column) {
-                            const bool most = segment.weights == Shapes::Segment::all_one ||
-                                              layout.shapes.weights(segment)[column - segment.begin] >
-                                                  Shapes::weight_one / 2;
-                            if (most && x + column >= 0 && x + column < region.width)
-                                out[std::size_t(row) * std::size_t(region.width) + std::size_t(x + column)] =
-                                    1u + one.shape;
-                        }
-                    }
-            }
-    return out;
 }
 
 }  // namespace tessera

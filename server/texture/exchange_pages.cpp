@@ -1,38 +1,20 @@
 #include <algorithm>
+#include <memory>
 
-#include "server/texture/exchange_texture.h"
+#include "server/texture/exchange_walk.h"
+#include "server/texture/kernels.h"
 #include "shared/math/srgb.h"
 
 namespace tessera {
-void CompiledExchange::Rows::put(std::int32_t y, std::int32_t x, const float* rgb, std::int32_t width,
-                                 const Kernels& kernels) const {
-    if (codes != nullptr) {
-        kernels.encode(rgb, width, codes->row(y) + x * 4);
-        return;
-    }
-    float* out = linear->row(y) + std::ptrdiff_t(x) * 4;
-    for (std::int32_t i = 0; i < width; ++i) {
-        std::copy_n(rgb + i * 3, 3, out + i * 4);
-        out[i * 4 + 3] = 1.0F;
-    }
-}
 
-Result<Evaluation> CompiledExchange::evaluate(const TexelRegion& region, const Budget& budget,
-                                              LinearImage& out) const {
-    out = LinearImage{region.width, region.height};
-    return evaluate_blocks(region, budget, {.linear = &out});
-}
+ExchangeWalk::ExchangeWalk(const ExchangeLayout& layout, const ExchangeTexels& source, Rgba8Image& codes)
+    : layout_{layout}, source_list_{&source}, sources_{source_list_, 1}, codes_{&codes} {}
 
-Result<Evaluation> CompiledExchange::evaluate(const TexelRegion& region, const Budget& budget,
-                                              Rgba8Image& out) const {
-    if (kind_of_texels_ == TexelKind::data) return Texture::evaluate(region, budget, out);
-    if (out.width != region.width || out.height != region.height)
-        out = Rgba8Image{region.width, region.height};
-    return evaluate_blocks(region, budget, {.codes = &out});
-}
+ExchangeWalk::ExchangeWalk(const ExchangeLayout& layout, std::span<const ExchangeTexels* const> sources,
+                           const TakeRow& take_row)
+    : layout_{layout}, sources_{sources}, take_row_{&take_row} {}
 
-Result<Evaluation> CompiledExchange::evaluate_blocks(const TexelRegion& region, const Budget& budget,
-                                                     const Rows& rows) const {
+Result<Evaluation> ExchangeWalk::evaluate(const TexelRegion& region, const Budget& budget) const {
     constexpr std::int32_t block_side = page_side_texels + 2 * max_gutter_texels;
     Evaluation all;
     for (std::int32_t y = 0; y < region.height; y += block_side)
@@ -44,7 +26,7 @@ Result<Evaluation> CompiledExchange::evaluate_blocks(const TexelRegion& region, 
                               std::min(block_side, region.height - y),
                               x,
                               y};
-            auto part = evaluate_block(block, budget, rows);
+            auto part = evaluate_block(block, budget);
             if (!part) return part.error();
             all.method = part->method;
             all.bound_codes = std::max(all.bound_codes, part->bound_codes);
@@ -54,31 +36,35 @@ Result<Evaluation> CompiledExchange::evaluate_blocks(const TexelRegion& region, 
     return all;
 }
 
-Result<Evaluation> CompiledExchange::evaluate_block(const Block& block, const Budget& budget,
-                                                    const Rows& rows) const {
-    if (block.level == 0) return blend_texels(block, budget, rows);
-    if (layout_->choice == Choice::typed) {
-        if (block.level >= layout_->unit_level) return look_up_nodes(block, budget, rows);
-        for (const VariantImages& images : images_)
-            if (images.level() == block.level) return sum_variants(images, block, budget, rows);
+Result<Evaluation> ExchangeWalk::evaluate_block(const Block& block, const Budget& budget) const {
+    if (block.level == 0) return blend_texels(block, budget);
+    if (layout_.choice == Choice::typed) {
+        if (block.level >= layout_.unit_level) return look_up_nodes(block, budget);
+        // The same for all sources: shapes decide how large images are
+        const std::vector<VariantImages>& images = sources_[0]->images;
+        for (std::size_t i = 0; i < images.size(); ++i)
+            if (images[i].level() == block.level) return sum_variants(i, block, budget);
     }
-    if (block.level <= layout_->tile_level) return sum_stamps(block, budget, rows);
-    return independent_sums_ ? enumerate_or_expect(block, budget, rows)
-                             : descend_or_expect(block, budget, rows);
+    if (block.level <= layout_.tile_level) return sum_stamps(block, budget);
+    return layout_.independent ? enumerate_or_expect(block, budget) : descend_or_expect(block, budget);
 }
 
-UnitGrid CompiledExchange::shown_in(const Block& block) const {
-    const int shift = layout_->unit_level - block.level;
-    // A texel of the overhang's width before the block may still reach into it
-    const std::int64_t overhang = (layout_->overhang + (std::int64_t{1} << block.level) - 1) >> block.level;
-    const std::int64_t x = (block.x - overhang) >> shift, y = (block.y - overhang) >> shift;
-    const std::int64_t after = layout_->units_after();
-    return layout_->shown_by(x, y, ((block.x + block.width - 1) >> shift) + after - x + 1,
-                             ((block.y + block.height - 1) >> shift) + after - y + 1);
+void ExchangeWalk::put(const Block& block, std::int32_t first, std::int32_t count, SumRows& sums) const {
+    for (std::int32_t row = 0; row < count; ++row) {
+        const std::int32_t y = block.out_y + first + row;
+        if (codes_ != nullptr) {
+            kernels().encode(sums.row(0, row), block.width, codes_->row(y) + std::ptrdiff_t{block.out_x} * 4);
+            continue;
+        }
+        const float* values[most_sources] = {};
+        for (std::size_t s = 0; s < sources_.size(); ++s) values[s] = sums.row(s, row);
+        (*take_row_)(block.out_x, y, block.width, values);
+    }
 }
 
-double CompiledExchange::float_bound_codes() const {
-    return 255.0 / (1 << 24) * (4.0 * static_cast<double>(std::min<std::size_t>(most_shown_, 256)) + 40);
+double ExchangeWalk::float_bound_codes() const {
+    return 255.0 / (1 << 24) *
+           (4.0 * static_cast<double>(std::min<std::size_t>(layout_.most_shown, 256)) + 40);
 }
 
 namespace {
@@ -89,102 +75,116 @@ constexpr std::int32_t rows_together(int level) { return 16 << std::min(level, 2
 
 }  // namespace
 
-Result<Evaluation> CompiledExchange::sum_stamps(const Block& block, const Budget& budget,
-                                                const Rows& rows) const {
+Result<Evaluation> ExchangeWalk::sum_stamps(const Block& block, const Budget& budget) const {
     const Kernels& kernel = kernels();
-    const ExchangeLayout& layout = *layout_;
-    const Stamps::Level& stamps = stamps_.level(block.level);
-    const std::int64_t tile_side = tile_levels_.side(block.level);
-    const int unit_shift = layout.unit_level - block.level;
-    const std::ptrdiff_t stride = std::ptrdiff_t{block.width} * 3;
-    UnitGrid shown = shown_in(block);
-    const std::int32_t band_rows = rows_together(block.level);
-    std::vector<float> rgb(std::size_t(stride) * std::size_t(std::min(band_rows, block.height)) +
-                           Stamps::row_floats);
+    const StampSpans::Level& spans = layout_.spans.level(block.level);
+    const std::int64_t tile_side = std::int64_t{layout_.tile_side} >> block.level;
+    const int unit_shift = layout_.unit_level - block.level;
+    UnitGrid shown = layout_.shown_at(
+        {static_cast<std::uint8_t>(block.level), block.x, block.y, block.width, block.height});
+    const std::int32_t band_rows = std::min(rows_together(block.level), block.height);
+    SumRows sums{sources_.size(), block.width, band_rows};
     std::uint64_t work = 0;
     for (std::int32_t first = 0; first < block.height; first += band_rows) {
         if (auto spent = check_budget(budget); !spent) return spent.error();
         const std::int32_t count = std::min(band_rows, block.height - first);
-        for (std::int32_t row = 0; row < count; ++row)
-            tile_levels_.fill(block.level, block.x, block.y + first + row, block.width,
-                              rgb.data() + row * stride);
+        for (std::size_t s = 0; s < sources_.size(); ++s)
+            for (std::int32_t row = 0; row < count; ++row)
+                sources_[s]->tile_levels.fill(block.level, block.x, block.y + first + row, block.width,
+                                              sums.row(s, row));
         for (std::int64_t uy = shown.y; uy < shown.y + shown.height; ++uy)
             for (std::int64_t ux = shown.x; ux < shown.x + shown.width; ++ux) {
                 const std::int64_t unit_x = (ux << unit_shift) - block.x;
                 const std::int64_t unit_y = (uy << unit_shift) - block.y - first;
                 // Coarse texels reach a little further than the shapes in them
                 const std::int64_t slack = std::int64_t{1} << block.level;
-                for (const Shown& one : layout.rows_of(shown.at(ux, uy), (-unit_y << block.level) - slack,
-                                                       ((count - unit_y) << block.level) + slack)) {
-                    const Stamps::Stamp& stamp = stamps.stamps[one.shape];
+                for (const Shown& one : layout_.rows_of(shown.at(ux, uy), (-unit_y << block.level) - slack,
+                                                        ((count - unit_y) << block.level) + slack)) {
+                    const StampSpans::Stamp& stamp = spans.stamps[one.shape];
                     const std::int64_t y = unit_y + one.tile_y * tile_side + stamp.y;
                     const std::int64_t from = std::max<std::int64_t>(y, 0);
                     const std::int64_t to = std::min<std::int64_t>(y + stamp.rows, count);
                     if (from >= to) continue;
-                    work += kernel.add_spans(stamps.spans.data() + stamp.first_span + (from - y),
-                                             static_cast<std::int32_t>(to - from), stamps.values.data(),
-                                             unit_x + one.tile_x * tile_side, block.width,
-                                             rgb.data() + from * stride, stride);
+                    for (std::size_t s = 0; s < sources_.size(); ++s)
+                        work += kernel.add_spans(spans.spans.data() + stamp.first_span + (from - y),
+                                                 static_cast<std::int32_t>(to - from),
+                                                 sources_[s]->stamps.values(block.level),
+                                                 unit_x + one.tile_x * tile_side, block.width,
+                                                 sums.row(s, static_cast<std::int32_t>(from)), sums.stride());
                 }
             }
-        for (std::int32_t row = 0; row < count; ++row)
-            rows.put(block.out_y + first + row, block.out_x, rgb.data() + row * stride, block.width, kernel);
+        put(block, first, count, sums);
     }
     return Evaluation{.method = "stamps", .bound_codes = float_bound_codes(), .work = work};
 }
 
-Result<Evaluation> CompiledExchange::sum_variants(const VariantImages& images, const Block& block,
-                                                  const Budget& budget, const Rows& rows) const {
-    const Kernels& kernel = kernels();
-    const std::int64_t side = images.unit_side();
-    const int shift = layout_->unit_level - block.level;
+Result<Evaluation> ExchangeWalk::sum_variants(std::size_t image, const Block& block,
+                                              const Budget& budget) const {
+    constexpr std::int32_t band_rows = 16;
+    const std::int32_t side = sources_[0]->images[image].unit_side();
+    const int shift = layout_.unit_level - block.level;
     const std::int64_t first = (block.x >> shift) - 1, last = (block.x + block.width - 1) >> shift;
     const std::int64_t top = (block.y >> shift) - 1, bottom = (block.y + block.height - 1) >> shift;
-    const TypeGrid types = layout_->tree->types_of(0, first, top, static_cast<std::int32_t>(last - first + 1),
-                                                   static_cast<std::int32_t>(bottom - top + 1));
-    std::vector<float> rgb(std::size_t(block.width) * 3);
-    for (std::int32_t row = 0; row < block.height; ++row) {
-        if (row % 16 == 0)
-            if (auto spent = check_budget(budget); !spent) return spent.error();
+    const TypeGrid types = layout_.tree->types_of(0, first, top, static_cast<std::int32_t>(last - first + 1),
+                                                  static_cast<std::int32_t>(bottom - top + 1));
+    // Room for whole images of the outermost units
+    const auto left = static_cast<std::int32_t>(block.x - first * side) * 3;
+    const auto image_floats = static_cast<std::int32_t>(sources_[0]->images[image].row_floats());
+    SumRows sums{sources_.size(), block.width, std::min(band_rows, block.height), left, image_floats};
+    for (std::int32_t row = 0; row < block.height; row += band_rows) {
+        if (auto spent = check_budget(budget); !spent) return spent.error();
+        const std::int32_t count = std::min(band_rows, block.height - row);
         const std::int64_t y = block.y + row, unit_y = y >> shift;
-        const auto in_unit = static_cast<std::int32_t>(y & (side - 1));
-        Kernels::VariantRow work;
-        work.types = types.row(unit_y) + (first - types.x);
-        work.types_above = types.row(unit_y - 1) + (first - types.x);
-        work.unit_count = static_cast<std::size_t>(last - first + 1);
-        work.first_x = first * side - block.x;
-        work.image = images.row(0, in_unit);
-        work.image_above = in_unit + side < images.side()
-                               ? images.row(0, in_unit + static_cast<std::int32_t>(side))
-                               : nullptr;
-        work.image_side = images.side();
-        work.image_stride = std::size_t(images.side()) * std::size_t(images.side()) * 3;
-        work.unit_side = images.unit_side();
-        work.width = block.width;
-        tile_levels_.fill(std::min(block.level, layout_->tile_level), block.x, y, block.width, rgb.data());
-        kernel.add_variants(work, rgb.data());
-        rows.put(block.out_y + row, block.out_x, rgb.data(), block.width, kernel);
+        for (std::size_t s = 0; s < sources_.size(); ++s) {
+            const VariantImages& images = sources_[s]->images[image];
+            for (std::int32_t i = 0; i < count; ++i)
+                sources_[s]->tile_levels.fill(std::min(block.level, layout_.tile_level), block.x, y + i,
+                                              block.width, sums.row(s, i));
+            Kernels::VariantBand band;
+            band.types = types.row(unit_y) + (first - types.x);
+            band.types_stride = types.width;
+            band.units_across = static_cast<std::size_t>(last - first + 1);
+            band.units_down = static_cast<std::size_t>(((y + count - 1) >> shift) - unit_y + 1);
+            band.images = images.row(0, 0);
+            band.row_floats = images.row_floats();
+            band.unit_side = side;
+            band.image_side = images.side();
+            band.first = static_cast<std::int32_t>(y - (unit_y << shift));
+            band.count = count;
+            kernels().add_variants(band, sums.row(s, 0) - left, sums.stride());
+        }
+        put(block, row, count, sums);
     }
     return Evaluation{.method = "variants",
                       .bound_codes = float_bound_codes(),
                       .work = static_cast<std::uint64_t>((last - first + 1) * (bottom - top + 1))};
 }
 
-Result<Evaluation> CompiledExchange::look_up_nodes(const Block& block, const Budget& budget,
-                                                   const Rows& rows) const {
-    const Kernels& kernel = kernels();
-    const int height = block.level - layout_->unit_level;
+Result<Evaluation> ExchangeWalk::look_up_nodes(const Block& block, const Budget& budget) const {
+    using HangingOver = float[2][4];  // below, below right
+    const int height = block.level - layout_.unit_level;
     const TypeGrid types =
-        layout_->tree->types_of(height, block.x - 1, block.y - 1, block.width + 1, block.height + 1);
+        layout_.tree->types_of(height, block.x - 1, block.y - 1, block.width + 1, block.height + 1);
     const std::ptrdiff_t column = block.x - 1 - types.x;
-    std::vector<float> rgb(std::size_t(block.width) * 3);
+    const std::size_t nodes_across = std::size_t(block.width) + 1;
+    SumRows sums{sources_.size(), block.width, 1};
+    const auto above = std::make_unique<HangingOver[]>(nodes_across * sources_.size());
+    for (std::size_t s = 0; s < sources_.size(); ++s)
+        for (std::size_t x = 0; x < nodes_across; ++x)
+            std::copy_n(
+                &sources_[s]->nodes->at(height)[types.row(block.y - 1)[column + std::ptrdiff_t(x)]].part[2]
+                                                                                                        [0],
+                8, &above[s * nodes_across + x][0][0]);
     for (std::int32_t row = 0; row < block.height; ++row) {
         if (row % 16 == 0)
             if (auto spent = check_budget(budget); !spent) return spent.error();
-        tile_levels_.fill(layout_->tile_level, 0, 0, block.width, rgb.data());
-        kernel.add_nodes(nodes_->at(height), types.row(block.y + row) + column,
-                         types.row(block.y + row - 1) + column, block.width, rgb.data());
-        rows.put(block.out_y + row, block.out_x, rgb.data(), block.width, kernel);
+        for (std::size_t s = 0; s < sources_.size(); ++s) {
+            const ExchangeTexels& source = *sources_[s];
+            kernels().add_nodes(source.nodes->at(height), types.row(block.y + row) + column,
+                                source.tile_levels.row(layout_.tile_level, 0), &above[s * nodes_across],
+                                block.width, sums.row(s, 0));
+        }
+        put(block, row, 1, sums);
     }
     return Evaluation{.method = "quadtree",
                       .bound_codes = float_bound_codes(),
@@ -193,31 +193,32 @@ Result<Evaluation> CompiledExchange::look_up_nodes(const Block& block, const Bud
 
 /// As far as a texel costs no more than so many look-ups, some 4 ns each. A rule of height and accuracy
 /// alone, so that every window shows the same texels.
-bool CompiledExchange::enumerates(int height, Accuracy accuracy) const {
+bool ExchangeWalk::enumerates(int height, Accuracy accuracy) const {
     const std::uint64_t look_ups = accuracy == Accuracy::exact ? 8192 : accuracy == Accuracy::high ? 1024 : 0;
-    return height < 10 && (std::uint64_t{layout_->shapes.patch_count()} << (2 * height)) <= look_ups;
+    return height < 10 && (std::uint64_t{layout_.shapes.patch_count()} << (2 * height)) <= look_ups;
 }
 
-Result<Evaluation> CompiledExchange::enumerate_or_expect(const Block& block, const Budget& budget,
-                                                         const Rows& rows) const {
-    const Kernels& kernel = kernels();
-    const IndependentSums& sums_of = *independent_sums_;
-    const int height = block.level - layout_->tile_level;
+Result<Evaluation> ExchangeWalk::enumerate_or_expect(const Block& block, const Budget& budget) const {
+    const int height = block.level - layout_.tile_level;
     const bool enumerate = enumerates(height, budget.accuracy);
-    const float* mean = tile_levels_.row(layout_->tile_level, 0);
-    std::vector<float> rgb(std::size_t(block.width) * 3);
-    std::vector<double> sums(rgb.size());
+    SumRows rows{sources_.size(), block.width, 1};
+    std::vector<double> sums(std::size_t(block.width) * 3);
     for (std::int32_t row = 0; row < block.height; ++row) {
         if (auto spent = check_budget(budget); !spent) return spent.error();
-        if (enumerate) {
-            std::fill(sums.begin(), sums.end(), 0.0);
-            sums_of.add_enumerated(*layout_->independent, height, block.x, block.y + row, block.width,
-                                   sums.data());
-        } else {
-            for (std::size_t i = 0; i < sums.size(); ++i) sums[i] = sums_of.expectation()[i % 3];
+        for (std::size_t s = 0; s < sources_.size(); ++s) {
+            const IndependentSums& sums_of = *sources_[s]->independent_sums;
+            if (enumerate) {
+                std::fill(sums.begin(), sums.end(), 0.0);
+                sums_of.add_enumerated(*layout_.independent, height, block.x, block.y + row, block.width,
+                                       sums.data());
+            } else {
+                for (std::size_t i = 0; i < sums.size(); ++i) sums[i] = sums_of.expectation()[i % 3];
+            }
+            const float* mean = sources_[s]->tile_levels.row(layout_.tile_level, 0);
+            float* rgb = rows.row(s, 0);
+            for (std::size_t i = 0; i < sums.size(); ++i) rgb[i] = mean[i % 3] + static_cast<float>(sums[i]);
         }
-        for (std::size_t i = 0; i < rgb.size(); ++i) rgb[i] = mean[i % 3] + static_cast<float>(sums[i]);
-        rows.put(block.out_y + row, block.out_x, rgb.data(), block.width, kernel);
+        put(block, row, 1, rows);
     }
     if (enumerate) {
         const double tiles = static_cast<double>(std::int64_t{1} << (2 * height));
@@ -225,53 +226,61 @@ Result<Evaluation> CompiledExchange::enumerate_or_expect(const Block& block, con
                           .bound_codes = float_bound_codes(),
                           .work = static_cast<std::uint64_t>(tiles * block.width * block.height)};
     }
-    const auto bound = sums_of.bound(height);
+    double off = 0, confidence = 1;
+    for (const ExchangeTexels* source : sources_) {
+        const auto bound = source->independent_sums->bound(height);
+        off = std::max(off, bound.likely);
+        if (bound.likely < bound.certain) confidence = IndependentSums::confidence;
+    }
     return Evaluation{.method = "expectation",
-                      .bound_codes = bound.likely / code_in_linear + float_bound_codes(),
-                      .confidence = bound.likely < bound.certain ? IndependentSums::confidence : 1.0,
+                      .bound_codes = off / code_in_linear + float_bound_codes(),
+                      .confidence = confidence,
                       .work = 1};
 }
 
-Result<Evaluation> CompiledExchange::descend_or_expect(const Block& block, const Budget& budget,
-                                                       const Rows& rows) const {
-    const Kernels& kernel = kernels();
-    const int height = block.level - layout_->tile_level;
+Result<Evaluation> ExchangeWalk::descend_or_expect(const Block& block, const Budget& budget) const {
+    const int height = block.level - layout_.tile_level;
     const int most = budget.accuracy == Accuracy::exact ? 2 : budget.accuracy == Accuracy::high ? 1 : 0;
-    std::vector<float> rgb(std::size_t(block.width) * 3);
+    SumRows rows{sources_.size(), block.width, 1};
     if (height > most) {
-        const float* mean = tile_levels_.row(layout_->tile_level, 0);
         double worst = 0;
-        for (std::size_t c = 0; c < 3; ++c) {
-            const double expected = double{mean[c]} + expectation_[c];
-            worst = std::max({worst, expected, 1 - expected});
+        for (std::size_t s = 0; s < sources_.size(); ++s) {
+            const float* mean = sources_[s]->tile_levels.row(layout_.tile_level, 0);
+            for (std::int32_t i = 0; i < block.width * 3; ++i) {
+                const double expected = double{mean[i % 3]} + sources_[s]->expectation[i % 3];
+                worst = std::max({worst, expected, 1 - expected});
+                rows.row(s, 0)[i] = static_cast<float>(expected);
+            }
         }
-        for (std::size_t i = 0; i < rgb.size(); ++i)
-            rgb[i] = static_cast<float>(double{mean[i % 3]} + expectation_[i % 3]);
-        for (std::int32_t row = 0; row < block.height; ++row)
-            rows.put(block.out_y + row, block.out_x, rgb.data(), block.width, kernel);
+        for (std::int32_t row = 0; row < block.height; ++row) put(block, row, 1, rows);
         // Nothing is known of how the formula's draws hang together, so only this is certain: texels are
         // colours
         return Evaluation{.method = "expectation", .bound_codes = worst / code_in_linear, .work = 1};
     }
     // Row by row from where tiles are single texels
     const std::int32_t side = 1 << height;
+    const double share = 1.0 / (side * side);
+    std::vector<double> sums(sources_.size() * std::size_t(block.width) * 3);
+    const TakeRow add = [&](std::int32_t, std::int32_t, std::int32_t width, const float* const* values) {
+        for (std::size_t s = 0; s < sources_.size(); ++s)
+            for (std::int32_t x = 0; x < width; ++x)
+                for (std::int32_t c = 0; c < 3; ++c)
+                    sums[(s * std::size_t(block.width) + std::size_t(x / side)) * 3 + std::size_t(c)] +=
+                        double{values[s][x * 3 + c]};
+    };
+    const ExchangeWalk fine{layout_, sources_, add};
     std::uint64_t work = 0;
     for (std::int32_t row = 0; row < block.height; ++row) {
-        LinearImage fine{block.width * side, side};
+        std::fill(sums.begin(), sums.end(), 0.0);
         const Block below{
-            layout_->tile_level, block.x * side, (block.y + row) * side, block.width * side, side, 0, 0};
-        const auto summed = sum_stamps(below, budget, {.linear = &fine});
+            layout_.tile_level, block.x * side, (block.y + row) * side, block.width * side, side, 0, 0};
+        const auto summed = fine.sum_stamps(below, budget);
         if (!summed) return summed.error();
         work += summed->work;
-        for (std::int32_t x = 0; x < block.width; ++x)
-            for (std::int32_t c = 0; c < 3; ++c) {
-                double sum = 0;
-                for (std::int32_t v = 0; v < side; ++v)
-                    for (std::int32_t u = 0; u < side; ++u)
-                        sum += double{fine.row(v)[(x * side + u) * 4 + c]};
-                rgb[std::size_t(x * 3 + c)] = static_cast<float>(sum / (side * side));
-            }
-        rows.put(block.out_y + row, block.out_x, rgb.data(), block.width, kernel);
+        for (std::size_t s = 0; s < sources_.size(); ++s)
+            for (std::size_t i = 0; i < std::size_t(block.width) * 3; ++i)
+                rows.row(s, 0)[i] = static_cast<float>(sums[s * std::size_t(block.width) * 3 + i] * share);
+        put(block, row, 1, rows);
     }
     return Evaluation{.method = "descent", .bound_codes = float_bound_codes(), .work = work};
 }

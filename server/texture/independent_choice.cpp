@@ -28,19 +28,19 @@ std::vector<Shown> IndependentChoice::shown_by(std::int64_t tile_x, std::int64_t
     return shown;
 }
 
-IndependentSums::IndependentSums(const Shapes& shapes, const Stamps::Level& one_texel_tiles) {
+IndependentSums::IndependentSums(const Shapes& shapes, const StampSpans::Level& one_texel_tiles,
+                                 const float* values) {
     for (std::size_t p = 0; p < shapes.patch_count(); ++p) {
         first_content_.push_back(static_cast<std::uint32_t>(sums_.size()));
         sums_.emplace_back();
         for (std::uint32_t shape = shapes.first_of(p); shape < shapes.first_of(p + 1); ++shape) {
             Sums sums;
-            const Stamps::Stamp& stamp = one_texel_tiles.stamps[shape];
-            for (std::uint32_t row = 0; row < stamp.rows; ++row) {
-                const Stamps::Span& span = one_texel_tiles.spans[stamp.first_span + row];
+            std::int32_t y = one_texel_tiles.stamps[shape].y;
+            for (const StampSpans::Span& span : one_texel_tiles.of(shape)) {
+                const float* from = values + std::size_t{span.offset} * StampSpans::row_floats;
                 for (std::int32_t x = span.begin; x < span.end; ++x)
-                    for (std::int32_t c = 0; c < 3; ++c)
-                        sums.part[(stamp.y + static_cast<std::int32_t>(row)) * 2 + x][c] =
-                            double{one_texel_tiles.row(span)[(x - span.begin) * 3 + c]};
+                    for (std::int32_t c = 0; c < 3; ++c) sums.part[y * 2 + x][c] = double{*from++};
+                ++y;
             }
             sums_.push_back(sums);
         }

@@ -33,7 +33,7 @@ class IndependentChoice {
 /// What contents add above the tile level.
 class IndependentSums {
   public:
-    IndependentSums(const Shapes& shapes, const Stamps::Level& one_texel_tiles);
+    IndependentSums(const Shapes& shapes, const StampSpans::Level& one_texel_tiles, const float* values);
 
     /// Adds to `rgb` (3 doubles a texel) the sums of all tiles under texels whose sides are 2^height tiles:
     /// texels [x, x + width) × {y}. Work: (2^height + 1)² tiles a texel.

@@ -14,41 +14,50 @@ struct Kernels {
     const char* name;  ///< "x86-64", "avx2", "avx512"
 
     /// Adds rows of a stamp: span i to the row `rgb` + i·stride, its columns moved by `x`, what falls outside
-    /// [0, width) left out. May add zero to Stamps::row_floats floats behind a row. Returns the number of
+    /// [0, width) left out. May add zero to StampSpans::row_floats floats behind a row. Returns the number of
     /// texels added.
-    std::size_t (*add_spans)(const Stamps::Span* spans, std::int32_t count, const float* values,
+    std::size_t (*add_spans)(const StampSpans::Span* spans, std::int32_t count, const float* values,
                              std::int64_t x, std::int32_t width, float* rgb, std::ptrdiff_t stride);
 
-    struct VariantRow {
-        const std::uint16_t* types =
-            nullptr;  ///< Of the units of this row, from the one that holds column `first_x`.
-        const std::uint16_t* types_above = nullptr;
-        std::size_t unit_count = 0;
-        std::int64_t first_x = 0;      ///< First unit's first texel relative to the row's, usually negative.
-        const float* image = nullptr;  ///< Row y of the image of type 0.
-        const float* image_above =
-            nullptr;  ///< Row y + unit side of it, or null if nothing hangs over so far down.
-        std::size_t image_stride = 0;  ///< Floats from a type's image to the next's.
-        std::int32_t image_side = 0;
-        std::int32_t unit_side = 0;
-        std::int32_t width = 0;
+    /// Some rows of texels under units of a few texels.
+    struct VariantBand {
+        const std::uint16_t* types = nullptr;  ///< Of the first unit of the second row of units.
+        std::ptrdiff_t types_stride = 0;       ///< To the next row of units.
+        std::size_t units_across = 0, units_down = 0;
+        const float* images = nullptr;  ///< As in VariantImages: of type 0.
+        std::size_t row_floats = 0;
+        std::int32_t unit_side = 0, image_side = 0;
+        std::int32_t first = 0, count = 0;  ///< Rows, from the second row of units on.
     };
-    void (*add_variants)(const VariantRow& row, float* rgb);
+    /// Adds the images of all units, and what hangs over from the row of units above, to the rows: `rgb` is
+    /// the first unit's first texel in the first row. Writes whole rows of images, from wherever units begin.
+    void (*add_variants)(const VariantBand& band, float* rgb, std::ptrdiff_t stride);
 
-    /// A row of whole nodes: types of the row and of the row above, each from the node left of the first
-    /// texel on.
-    void (*add_nodes)(const NodeTables::Sums* table, const std::uint16_t* types,
-                      const std::uint16_t* types_above, std::int32_t width, float* rgb);
+    /// A row of whole nodes on top of one colour for all, `base`: types of the row, from the node left of the
+    /// first texel on. `above` is what hangs over from the row above, two parts a node, and becomes what
+    /// hangs over from this one. Writes a float behind the row.
+    void (*add_nodes)(const NodeTables::Sums* table, const std::uint16_t* types, const float* base,
+                      float (*above)[2][4], std::int32_t width, float* rgb);
 
     /// RGB linear to sRGB codes, opaque.
     void (*encode)(const float* rgb, std::int32_t width, std::uint8_t* rgba);
 
-    /// One run of blended texels at level 0: sums += weight·(content − tile) in linear steps; texels are RGBA
-    /// codes, weights one a texel. Reads up to eight texels too far, and may add zero there.
-    void (*blend)(const std::uint8_t* content, const std::uint8_t* tile, const std::uint16_t* weights,
-                  std::int32_t width, std::int32_t* sums);
-    /// tile + sums / weight_one, rounded, as sRGB codes, opaque.
-    void (*encode_blended)(const std::int32_t* sums, const std::uint8_t* tile, std::int32_t width,
+    /// A run of blended texels at level 0. RGBA; weights are one a texel.
+    template <class Texel>
+    struct BlendRun {
+        const Texel* content;
+        const Texel* tile;
+        const std::uint16_t* weights;
+        std::int32_t* sums;
+        std::int32_t width;
+    };
+    /// sums += weight·(content − tile) in linear steps, of sRGB codes. Reads up to eight texels too far, and
+    /// may add zero there. Many runs at once, since they are short and the table of codes fills registers.
+    void (*blend)(const BlendRun<std::uint8_t>* runs, std::size_t count);
+    /// The same of linear steps.
+    void (*blend_steps)(const BlendRun<std::uint16_t>* runs, std::size_t count);
+    /// tile + sums / weight_one, rounded, as sRGB codes, opaque; leaves zero sums.
+    void (*encode_blended)(std::int32_t* sums, const std::uint8_t* tile, std::int32_t width,
                            std::uint8_t* rgba);
 };
 

@@ -1,9 +1,9 @@
 #include "server/texture/material.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -12,55 +12,48 @@
 namespace tessera {
 namespace {
 
-using TexturePtr = std::shared_ptr<const Texture>;
+using DataPtr = std::shared_ptr<const ExchangeData>;
 
-/// Up to three filtered textures of numbers, made into one set's texels, row by row.
+/// Filtered images of numbers, up to three of them, made into one set's texels, row by row.
 class MaterialTexture : public Texture {
   public:
-    static constexpr std::size_t most_sources = 3;
-    using Rows =
-        std::array<const float*, most_sources>;       ///< RGBA of each source, in the order they were given.
-    using Errors = std::array<double, most_sources>;  ///< Of each source at most, in parts of 1.
+    MaterialTexture(ChannelSet set, DataPtr data) : set_{set}, data_{std::move(data)} {}
 
-    MaterialTexture(ChannelSet set, std::vector<TexturePtr> sources, std::size_t own_bytes)
-        : set_{set}, sources_{std::move(sources)}, own_bytes_{own_bytes} {}
-
-    using Texture::evaluate;
     Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
                                 LinearImage& out) const override {
-        std::array<LinearImage, most_sources> in;
-        Errors errors{};
-        Evaluation all;
-        const std::size_t used = sources_used(region.level);
-        for (std::size_t i = 0; i < used; ++i) {
-            const auto one = sources_[i]->evaluate(region, budget, in[i]);
-            if (!one) return one.error();
-            errors[i] = one->bound_codes * code_in_linear;
-            all.method = one->method;
-            all.confidence = std::min(all.confidence, one->confidence);
-            all.work += one->work;
-        }
         out = LinearImage{region.width, region.height};
-        for (std::int32_t y = 0; y < region.height; ++y) {
-            if (auto spent = check_budget(budget); !spent) return spent.error();
-            Rows rows{};
-            for (std::size_t i = 0; i < used; ++i) rows[i] = in[i].row(y);
-            all.bound_codes =
-                std::max(all.bound_codes, fill_row(rows, errors, region.level, region.width, out.row(y)));
-        }
-        return all;
+        return fill(region, budget,
+                    [&](std::int32_t x, std::int32_t y, const float* rgba, std::int32_t width) {
+                        std::copy_n(rgba, std::ptrdiff_t{width} * 4, out.row(y) + std::ptrdiff_t{x} * 4);
+                    });
+    }
+    Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
+                                Rgba8Image& out) const override {
+        if (out.width != region.width || out.height != region.height)
+            out = Rgba8Image{region.width, region.height};
+        return fill(region, budget,
+                    [&](std::int32_t x, std::int32_t y, const float* rgba, std::int32_t width) {
+                        encode_data(rgba, std::size_t(width) * 4, out.row(y) + std::ptrdiff_t{x} * 4);
+                    });
     }
     TexelKind texel_kind() const noexcept override { return TexelKind::data; }
     std::string_view kind() const noexcept override { return name_of(set_); }
     std::string description() const override { return std::string{name_of(set_)} + ": " + words(); }
-    std::size_t memory_bytes() const noexcept override { return own_bytes_; }
+    /// All sets of an asset share the data: make_channels() counts it to the first.
+    std::size_t memory_bytes() const noexcept override { return counts_data_ ? data_->memory_bytes() : 0; }
+    void count_data() noexcept { counts_data_ = true; }
 
   protected:
-    /// How many of the sources, the first ones, fill_row() looks at on a level.
-    virtual std::size_t sources_used(int) const noexcept { return sources_.size(); }
-    /// Fills a row of `width` RGBA texels of `level`, and tells how many codes it is off at most.
-    virtual double fill_row(const Rows& in, const Errors& errors, int level, std::int32_t width,
-                            float* out) const = 0;
+    /// Three values a texel of each image of images_for(level).
+    using Rows = const float* const*;
+
+    /// The images that fill_row() looks at on a level.
+    virtual std::span<const std::size_t> images_for(int level) const noexcept = 0;
+    /// Fills a row of `width` RGBA texels of `level`, and returns the least red value.
+    virtual double fill_row(Rows in, int level, std::int32_t width, float* out) const = 0;
+    /// How many codes texels of `level` are off at most, if no value of `in` is off by more than `error`, a
+    /// part of 1, and `least` is their least red value.
+    virtual double bound_codes(double error, int level, double least) const = 0;
     virtual std::string words() const = 0;
 
     static void put(float* texel, double red, double green, double blue) noexcept {
@@ -71,9 +64,25 @@ class MaterialTexture : public Texture {
     }
 
   private:
+    template <class Put>
+    Result<Evaluation> fill(const TexelRegion& region, const Budget& budget, const Put& put_row) const {
+        std::vector<float> rgba(std::size_t(region.width) * 4);
+        double least = 1;
+        auto evaluation =
+            data_->evaluate(region, budget, images_for(region.level),
+                            [&](std::int32_t x, std::int32_t y, std::int32_t width, const float* const* in) {
+                                least = std::min(least, fill_row(in, region.level, width, rgba.data()));
+                                put_row(x, y, rgba.data(), width);
+                            });
+        if (evaluation)
+            evaluation->bound_codes =
+                bound_codes(evaluation->bound_codes * code_in_linear, region.level, least);
+        return evaluation;
+    }
+
     ChannelSet set_;
-    std::vector<TexturePtr> sources_;
-    std::size_t own_bytes_;
+    DataPtr data_;
+    bool counts_data_ = false;
 };
 
 std::string range_text(double range) {
@@ -82,28 +91,31 @@ std::string range_text(double range) {
     return text;
 }
 
-/// Filtered lean_slopes(), lean_squares() and lean_products().
-struct LeanTextures {
-    TexturePtr slopes, squares, products;
-    double range = 0;
-};
+/// Of the data of an asset with normals: lean_slopes(), lean_squares() and lean_products(). Of one without:
+/// squared_alphas(), or heights.
+constexpr std::size_t slopes = 0, squares = 1, products = 2, first_image = 0;
 
 class NormalTexture final : public MaterialTexture {
   public:
-    explicit NormalTexture(const LeanTextures& lean)
-        : MaterialTexture{ChannelSet::normal, {lean.slopes}, lean.slopes->memory_bytes()},
-          range_{lean.range} {}
+    NormalTexture(DataPtr data, double range)
+        : MaterialTexture{ChannelSet::normal, std::move(data)}, range_{range} {}
 
   private:
-    double fill_row(const Rows& in, const Errors& errors, int, std::int32_t width,
-                    float* out) const override {
+    std::span<const std::size_t> images_for(int) const noexcept override {
+        static constexpr std::size_t images[] = {slopes};
+        return images;
+    }
+    double fill_row(Rows in, int, std::int32_t width, float* out) const override {
         for (std::int32_t x = 0; x < width; ++x) {
-            const Slopes mean = lean_mean(in[0] + 4 * x, range_);
+            const Slopes mean = lean_mean(in[0] + 3 * x, range_);
             const double half = 0.5 / std::sqrt(mean.x * mean.x + mean.y * mean.y + 1.0);
             put(out + 4 * x, 0.5 + mean.x * half, 0.5 + mean.y * half, 0.5 + half);
         }
+        return 0;
+    }
+    double bound_codes(double error, int, double) const override {
         // A normal moves by no more than its slopes do, which are 2·range wide, and is coded at half its size
-        return 255 * 1.4143 * range_ * errors[0];
+        return 255 * 1.4143 * range_ * error;
     }
     std::string words() const override { return "unit normals of the mean slopes, " + range_text(range_); }
 
@@ -112,30 +124,35 @@ class NormalTexture final : public MaterialTexture {
 
 class RoughnessTexture final : public MaterialTexture {
   public:
-    /// Of a surface without normals: squared_alphas().
-    explicit RoughnessTexture(const TexturePtr& alphas)
-        : MaterialTexture{ChannelSet::roughness, {alphas}, alphas->memory_bytes()} {}
-    explicit RoughnessTexture(const LeanTextures& lean)
-        : MaterialTexture{ChannelSet::roughness, {lean.products, lean.slopes, lean.squares}, 0},
-          range_{lean.range} {}
+    /// `range` 0: of a surface without normals.
+    RoughnessTexture(DataPtr data, double range)
+        : MaterialTexture{ChannelSet::roughness, std::move(data)}, range_{range} {}
 
   private:
-    std::size_t sources_used(int level) const noexcept override { return range_ > 0 && level > 0 ? 3 : 1; }
-    double fill_row(const Rows& in, const Errors& errors, int level, std::int32_t width,
-                    float* out) const override {
-        const bool bumpy = range_ > 0 && level > 0;
+    bool bumpy(int level) const noexcept { return range_ > 0 && level > 0; }
+    std::span<const std::size_t> images_for(int level) const noexcept override {
+        static constexpr std::size_t alphas[] = {first_image}, smooth[] = {products},
+                                     all[] = {products, slopes, squares};
+        if (bumpy(level)) return all;
+        if (range_ > 0) return smooth;
+        return alphas;
+    }
+    double fill_row(Rows in, int level, std::int32_t width, float* out) const override {
         double least = 1;
         for (std::int32_t x = 0; x < width; ++x) {
-            const std::int32_t at = 4 * x;
+            const std::int32_t at = 3 * x;
             const LeanTexel texel =
-                bumpy ? lean_texel(in[1] + at, in[2] + at, in[0] + at, range_) : LeanTexel{};
+                bumpy(level) ? lean_texel(in[1] + at, in[2] + at, in[0] + at, range_) : LeanTexel{};
             const double roughness = rougher(squared_alpha(in[0] + at), texel);
             least = std::min(least, roughness);
-            put(out + at, roughness, roughness, roughness);
+            put(out + 4 * x, roughness, roughness, roughness);
         }
-        double error = squared_alpha_error(errors[0]);
-        if (bumpy) error += lean_error(*std::max_element(errors.begin(), errors.end()), range_).trace;
-        // The root is steepest where the row is smoothest, and steeper yet below
+        return least;
+    }
+    double bound_codes(double value_error, int level, double least) const override {
+        double error = squared_alpha_error(value_error);
+        if (bumpy(level)) error += lean_error(value_error, range_).trace;
+        // The root is steepest where the surface is smoothest, and steeper yet below
         const double squared = least * least * least * least;
         const double above = roughness_of(squared + error) - least;
         const double below = least - roughness_of(std::max(0.0, squared - error));
@@ -146,52 +163,58 @@ class RoughnessTexture final : public MaterialTexture {
                           : "no normals: filtered as the variance it stands for";
     }
 
-    double range_ = 0;  ///< 0: there are no normals.
+    double range_;
 };
 
-/// The third value of a source.
+/// The third value of the first image.
 class HeightTexture final : public MaterialTexture {
   public:
-    HeightTexture(const TexturePtr& source, bool owns)
-        : MaterialTexture{ChannelSet::height, {source}, owns ? source->memory_bytes() : 0} {}
+    explicit HeightTexture(DataPtr data) : MaterialTexture{ChannelSet::height, std::move(data)} {}
 
   private:
-    double fill_row(const Rows& in, const Errors& errors, int, std::int32_t width,
-                    float* out) const override {
+    std::span<const std::size_t> images_for(int) const noexcept override {
+        static constexpr std::size_t images[] = {first_image};
+        return images;
+    }
+    double fill_row(Rows in, int, std::int32_t width, float* out) const override {
         for (std::int32_t x = 0; x < width; ++x) {
-            const float height = in[0][4 * x + 2];
+            const float height = in[0][3 * x + 2];
             put(out + 4 * x, height, height, height);
         }
-        return 255 * errors[0];
+        return 0;
     }
+    double bound_codes(double error, int, double) const override { return 255 * error; }
     std::string words() const override { return "linear"; }
 };
 
 /// Roots: variances of 8 bits would leave nothing of a gentle bump.
 class MomentsTexture final : public MaterialTexture {
   public:
-    explicit MomentsTexture(const LeanTextures& lean)
-        : MaterialTexture{ChannelSet::moments,
-                          {lean.slopes, lean.squares, lean.products},
-                          lean.squares->memory_bytes() + lean.products->memory_bytes()},
-          range_{lean.range} {}
+    MomentsTexture(DataPtr data, double range)
+        : MaterialTexture{ChannelSet::moments, std::move(data)}, range_{range} {}
 
   private:
     /// One tells how level 0 is made, and stops with the budget.
-    std::size_t sources_used(int level) const noexcept override { return level > 0 ? 3 : 1; }
-    double fill_row(const Rows& in, const Errors& errors, int level, std::int32_t width,
-                    float* out) const override {
+    std::span<const std::size_t> images_for(int level) const noexcept override {
+        static constexpr std::size_t one[] = {slopes}, all[] = {slopes, squares, products};
+        if (level == 0) return one;
+        return all;
+    }
+    double fill_row(Rows in, int level, std::int32_t width, float* out) const override {
         for (std::int32_t x = 0; x < width; ++x) {
-            const std::int32_t at = 4 * x;
+            const std::int32_t at = 3 * x;
             const LeanTexel texel =
                 level > 0 ? lean_texel(in[0] + at, in[1] + at, in[2] + at, range_) : LeanTexel{};
             const double root = std::copysign(std::sqrt(std::abs(texel.covariance)), texel.covariance);
-            put(out + at, std::min(1.0, std::sqrt(texel.variance_x)),
+            put(out + 4 * x, std::min(1.0, std::sqrt(texel.variance_x)),
                 std::min(1.0, std::sqrt(texel.variance_y)), 0.5 + 0.5 * std::clamp(root, -1.0, 1.0));
         }
+        return 0;
+    }
+    double bound_codes(double value_error, int level, double) const override {
         if (level == 0) return 0;
         // The root of something small is off by the root of its error
-        const LeanError error = lean_error(*std::max_element(errors.begin(), errors.end()), range_);
+        const LeanError error = lean_error(value_error, range_);
         return 255 * std::sqrt(std::max(error.variance, error.covariance));
     }
     std::string words() const override {
@@ -229,42 +252,40 @@ std::vector<Channels> make_channels(const std::shared_ptr<const ExchangeTexture>
     const auto* normal = image_of(asset, ChannelSet::normal);
     const auto* roughness = image_of(asset, ChannelSet::roughness);
     const auto* height = image_of(asset, ChannelSet::height);
-    const auto filtered = [&](const auto& texels_of) {
-        return albedo->with_texels(texels_of(&ExchangeAsset::Channel::exemplar),
-                                   texels_of(&ExchangeAsset::Channel::tile));
-    };
     using Part = Rgb8Image ExchangeAsset::Channel::*;
     const auto part_of = [](const ExchangeAsset::Channel* channel, Part part) {
         return channel == nullptr ? nullptr : &(channel->*part);
     };
+    std::vector<DataImages> images;
+    const auto add_image = [&](const auto& texels_of) {
+        images.push_back(
+            {texels_of(&ExchangeAsset::Channel::exemplar), texels_of(&ExchangeAsset::Channel::tile)});
+    };
 
-    // Heights travel in the third value of whichever texture there is
-    LeanTextures lean;
-    TexturePtr alphas, heights;
+    // Heights travel in the third value of whichever image comes first
+    double range = 0;
     if (normal != nullptr) {
-        const double range = lean.range = std::max(steepest_in(normal->exemplar), steepest_in(normal->tile));
-        lean.slopes = heights =
-            filtered([&](Part part) { return lean_slopes(normal->*part, range, part_of(height, part)); });
-        lean.squares = filtered([&](Part part) { return lean_squares(normal->*part, range); });
-        lean.products = filtered(
-            [&](Part part) { return lean_products(normal->*part, range, part_of(roughness, part)); });
+        range = std::max(steepest_in(normal->exemplar), steepest_in(normal->tile));
+        add_image([&](Part part) { return lean_slopes(normal->*part, range, part_of(height, part)); });
+        add_image([&](Part part) { return lean_squares(normal->*part, range); });
+        add_image([&](Part part) { return lean_products(normal->*part, range, part_of(roughness, part)); });
     } else if (roughness != nullptr) {
-        alphas = heights =
-            filtered([&](Part part) { return squared_alphas(roughness->*part, part_of(height, part)); });
+        add_image([&](Part part) { return squared_alphas(roughness->*part, part_of(height, part)); });
     } else if (height != nullptr) {
-        heights = filtered([&](Part part) { return greys(height->*part); });
+        add_image([&](Part part) { return greys(height->*part); });
     }
 
     std::vector<Channels> sets;
-    const auto add = [&](ChannelSet set, TexturePtr texture) { sets.push_back({set, std::move(texture)}); };
-    if (normal != nullptr) add(ChannelSet::normal, std::make_shared<NormalTexture>(lean));
-    if (roughness != nullptr)
-        add(ChannelSet::roughness, normal != nullptr ? std::make_shared<RoughnessTexture>(lean)
-                                                     : std::make_shared<RoughnessTexture>(alphas));
-    if (height != nullptr)
-        add(ChannelSet::height,
-            std::make_shared<HeightTexture>(heights, normal == nullptr && roughness == nullptr));
-    if (normal != nullptr) add(ChannelSet::moments, std::make_shared<MomentsTexture>(lean));
+    if (images.empty()) return sets;
+    const DataPtr data = albedo->with_texels(images);
+    const auto add = [&](ChannelSet set, const std::shared_ptr<MaterialTexture>& texture) {
+        if (sets.empty()) texture->count_data();
+        sets.push_back({set, texture});
+    };
+    if (normal != nullptr) add(ChannelSet::normal, std::make_shared<NormalTexture>(data, range));
+    if (roughness != nullptr) add(ChannelSet::roughness, std::make_shared<RoughnessTexture>(data, range));
+    if (height != nullptr) add(ChannelSet::height, std::make_shared<HeightTexture>(data));
+    if (normal != nullptr) add(ChannelSet::moments, std::make_shared<MomentsTexture>(data, range));
     return sets;
 }
 

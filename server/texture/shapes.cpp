@@ -74,7 +74,8 @@ void Shapes::add(const BitMask& mask, Shape shape) {
         row_begin_.push_back(static_cast<std::uint32_t>(segments_.size()));
         for (std::int32_t x = 0; x < shape.width;) {
             const std::uint32_t kind = count[x] == 0 ? 0 : count[x] == window ? 2 : 1;
-            Segment segment{.begin = x, .end = x, .weights = Segment::all_one};
+            const auto begin = static_cast<std::uint16_t>(x);
+            Segment segment{.begin = begin, .end = begin, .weights = Segment::all_one};
             if (kind == 1) segment.weights = static_cast<std::uint32_t>(weights_.size());
             for (; segment.end < shape.width; ++segment.end) {
                 const std::uint32_t here = count[segment.end];

@@ -21,8 +21,8 @@ class Shapes {
 
     /// A run of texels of one row whose weights are all one, or all less.
     struct Segment {
-        std::int32_t begin = 0, end = 0;  ///< Columns relative to the shape's box.
-        std::uint32_t weights = all_one;  ///< Of the first texel in weights().
+        std::uint16_t begin = 0, end = 0;  ///< Columns relative to the shape's box.
+        std::uint32_t weights = all_one;   ///< Of the first texel in weights().
         static constexpr std::uint32_t all_one = ~std::uint32_t{0};
     };
     struct Shape {

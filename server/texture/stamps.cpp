@@ -57,27 +57,18 @@ Box halved(Box& fine) {
     return coarse;
 }
 
-/// The rows' columns that are not zero, as floats.
-void pack(Box& box, int level, Stamps::Level& out) {
+/// The rows of a stamp, as floats.
+void pack(Box& box, int level, const StampSpans::Level& spans, std::size_t shape, std::vector<float>& out) {
     const double scale = 1.0 / (double(std::int64_t{1} << (2 * level)) * Shapes::weight_one * linear_one);
-    Stamps::Stamp stamp{.y = box.y, .rows = 0, .first_span = static_cast<std::uint32_t>(out.spans.size())};
-    for (std::int32_t y = box.y; y < box.y + box.height; ++y) {
-        const std::int64_t* row = box.row(y);
-        const auto empty = [&](std::int32_t x) {
-            return row[x * 3] == 0 && row[x * 3 + 1] == 0 && row[x * 3 + 2] == 0;
-        };
-        std::int32_t begin = 0, end = box.width;
-        while (begin < end && empty(begin)) ++begin;
-        while (begin < end && empty(end - 1)) --end;
-        out.spans.push_back(
-            {box.x + begin, box.x + end, static_cast<std::uint32_t>(out.values.size() / Stamps::row_floats)});
-        for (std::int32_t i = begin * 3; i < end * 3; ++i)
-            out.values.push_back(static_cast<float>(static_cast<double>(row[i]) * scale));
-        out.values.resize((out.values.size() + Stamps::row_floats - 1) / Stamps::row_floats *
-                          Stamps::row_floats);
-        ++stamp.rows;
+    std::int32_t y = spans.stamps[shape].y;
+    for (const StampSpans::Span& span : spans.of(shape)) {
+        const std::int64_t* row = box.row(y++);
+        if (span.begin == span.end) continue;
+        const std::int64_t* from = row + std::ptrdiff_t{span.begin - box.x} * 3;
+        float* to = out.data() + std::size_t{span.offset} * StampSpans::row_floats;
+        for (std::int32_t i = 0; i < (span.end - span.begin) * 3; ++i)
+            to[i] = static_cast<float>(static_cast<double>(from[i]) * scale);
     }
-    out.stamps.push_back(stamp);
 }
 
 }  // namespace
@@ -138,28 +129,71 @@ std::size_t TileLevels::memory_bytes() const noexcept {
     return bytes;
 }
 
-Stamps::Stamps(const Shapes& shapes, const TexelSource& exemplar, const TexelSource& repeated_tile,
-               int tile_level)
+StampSpans::StampSpans(const Shapes& shapes, int tile_level) : levels_(std::size_t(tile_level) + 1) {
+    struct Row {
+        std::int32_t begin = 0, end = 0;
+    };
+    for (std::size_t s = 0; s < shapes.size(); ++s) {
+        const Shapes::Shape& shape = shapes[s];
+        std::int32_t y = shape.y;
+        std::vector<Row> rows, coarse;
+        for (std::int32_t line = 0; line < shape.height; ++line) {
+            const auto segments = shapes.row(shape, line);
+            rows.push_back(segments.empty()
+                               ? Row{}
+                               : Row{shape.x + segments.front().begin, shape.x + segments.back().end});
+        }
+        for (int level = 1; level <= tile_level; ++level) {
+            coarse.assign(std::size_t(((y + static_cast<std::int32_t>(rows.size()) + 1) >> 1) - (y >> 1)),
+                          {});
+            for (const Row& fine : rows) {
+                Row& over = coarse[std::size_t(((y + (&fine - rows.data())) >> 1) - (y >> 1))];
+                if (fine.begin == fine.end) continue;
+                const Row half{fine.begin >> 1, (fine.end + 1) >> 1};
+                over = over.begin == over.end
+                           ? half
+                           : Row{std::min(over.begin, half.begin), std::max(over.end, half.end)};
+            }
+            std::swap(rows, coarse);
+            y >>= 1;
+            Level& out = levels_[std::size_t(level)];
+            out.stamps.push_back(
+                {y, static_cast<std::uint32_t>(rows.size()), static_cast<std::uint32_t>(out.spans.size())});
+            for (const Row& row : rows) {
+                const auto floats = static_cast<std::size_t>((row.end - row.begin) * 3);
+                out.spans.push_back(
+                    {row.begin, row.end, static_cast<std::uint32_t>(out.floats / row_floats)});
+                out.floats += (floats + row_floats - 1) / row_floats * row_floats;
+            }
+        }
+    }
+    for (Level& level : levels_) level.spans.shrink_to_fit();
+}
+
+std::size_t StampSpans::memory_bytes() const noexcept {
+    std::size_t bytes = 0;
+    for (const Level& level : levels_)
+        bytes += level.stamps.size() * sizeof(Stamp) + level.spans.size() * sizeof(Span);
+    return bytes;
+}
+
+Stamps::Stamps(const Shapes& shapes, const StampSpans& spans, const TexelSource& exemplar,
+               const TexelSource& repeated_tile, int tile_level)
     : levels_(std::size_t(tile_level) + 1) {
+    for (int level = 1; level <= tile_level; ++level)
+        levels_[std::size_t(level)].resize(spans.level(level).floats + 16);  // kernels read whole vectors
     for (std::size_t s = 0; s < shapes.size(); ++s) {
         Box box = level_0_stamp(shapes, shapes[s], exemplar, repeated_tile);
         for (int level = 1; level <= tile_level; ++level) {
             box = halved(box);
-            pack(box, level, levels_[std::size_t(level)]);
+            pack(box, level, spans.level(level), s, levels_[std::size_t(level)]);
         }
-    }
-    for (Level& level : levels_) {
-        level.values.resize(level.values.size() + 16);  // kernels read whole vectors
-        level.values.shrink_to_fit();
-        level.spans.shrink_to_fit();
     }
 }
 
 std::size_t Stamps::memory_bytes() const noexcept {
     std::size_t bytes = 0;
-    for (const Level& level : levels_)
-        bytes += level.stamps.size() * sizeof(Stamp) + level.spans.size() * sizeof(Span) +
-                 level.values.size() * sizeof(float);
+    for (const std::vector<float>& level : levels_) bytes += level.size() * sizeof(float);
     return bytes;
 }
 

@@ -37,14 +37,9 @@ class TileLevels {
     std::vector<Level> levels_;  ///< [0] is empty: level 0 copies texels.
 };
 
-/// The stamps of DESIGN section 2: for each shape weight·(content − tile), signed, box filtered at every
-/// level from 1 to the one where the tile is one texel, and packed by rows (Lutz et al. 2019,
-/// sections 4.2, 4.4, 4.5; for Kolář's patches the filter that his paper lacks).
-///
-/// Departure from Lutz, who stores weight·content in 8 bits: differences from the tile are zero for a
-/// constant exemplar, exactly, whatever the rounding of the weights; and floats end the darkening by up to 18
-/// codes that 8-bit stamps cause far away.
-class Stamps {
+/// Where stamps have texels at every level from 1 to the one where the tile is one texel: rows of shapes,
+/// halved again and again (Lutz et al. 2019, section 4.2). The same for all images under the same decisions.
+class StampSpans {
   public:
     /// Values of a row are followed by zeros up to a multiple of so many floats, so that rows can be added in
     /// whole vectors: adding zero changes nothing.
@@ -61,22 +56,45 @@ class Stamps {
         std::uint32_t first_span = 0;
     };
     struct Level {
-        const float* row(const Span& span) const noexcept {
-            return values.data() + std::size_t{span.offset} * row_floats;
-        }
         std::vector<Stamp> stamps;  ///< By shape.
         std::vector<Span> spans;
-        std::vector<float> values;  ///< RGB, linear, 1.0 is white.
+        std::size_t floats = 0;  ///< Of all rows, the zeros included.
+
+        std::span<const Span> of(std::size_t shape) const noexcept {
+            return {spans.data() + stamps[shape].first_span, stamps[shape].rows};
+        }
     };
 
-    Stamps(const Shapes& shapes, const TexelSource& exemplar, const TexelSource& repeated_tile,
-           int tile_level);
+    StampSpans(const Shapes& shapes, int tile_level);
 
     const Level& level(int level) const noexcept { return levels_[std::size_t(level)]; }
     std::size_t memory_bytes() const noexcept;
 
   private:
     std::vector<Level> levels_;  ///< [0] is empty: level 0 blends texels.
+};
+
+/// The stamps of DESIGN section 2: for each shape weight·(content − tile), signed, box filtered at every
+/// level, and packed by rows (Lutz et al. 2019, sections 4.4, 4.5; for Kolář's patches the filter that his
+/// paper lacks).
+///
+/// Departure from Lutz, who stores weight·content in 8 bits: differences from the tile are zero for a
+/// constant exemplar, exactly, whatever the rounding of the weights; and floats end the darkening by up to 18
+/// codes that 8-bit stamps cause far away.
+class Stamps {
+  public:
+    Stamps(const Shapes& shapes, const StampSpans& spans, const TexelSource& exemplar,
+           const TexelSource& repeated_tile, int tile_level);
+
+    /// RGB of the rows of StampSpans, linear, 1.0 is white.
+    const float* values(int level) const noexcept { return levels_[std::size_t(level)].data(); }
+    const float* row(int level, const StampSpans::Span& span) const noexcept {
+        return values(level) + std::size_t{span.offset} * StampSpans::row_floats;
+    }
+    std::size_t memory_bytes() const noexcept;
+
+  private:
+    std::vector<std::vector<float>> levels_;  ///< [0] is empty
 };
 
 }  // namespace tessera

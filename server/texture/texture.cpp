@@ -18,9 +18,13 @@ void encode(const LinearImage& linear, Rgba8Image& out) {
 
 void encode_data(const LinearImage& values, Rgba8Image& out) {
     out = Rgba8Image{values.width, values.height};
-    for (std::size_t i = 0; i < values.values.size(); ++i) {
-        const float scaled = values.values[i] * 255.0F + 0.5F;
-        out.bytes[i] = static_cast<std::uint8_t>(scaled > 0.0F ? (scaled < 255.0F ? scaled : 255.0F) : 0.0F);
+    encode_data(values.values.data(), values.values.size(), out.bytes.data());
+}
+
+void encode_data(const float* values, std::size_t count, std::uint8_t* codes) {
+    for (std::size_t i = 0; i < count; ++i) {
+        const float scaled = values[i] * 255.0F + 0.5F;
+        codes[i] = static_cast<std::uint8_t>(scaled > 0.0F ? (scaled < 255.0F ? scaled : 255.0F) : 0.0F);
     }
 }
 

@@ -68,6 +68,8 @@ void encode(const LinearImage& linear, Rgba8Image& out);
 /// The nearest 255th of each value, clamped.
 void encode_data(const LinearImage& values, Rgba8Image& out);
 
+void encode_data(const float* values, std::size_t count, std::uint8_t* codes);
+
 /// The part of a code that error bounds count in: 1/255 of linear light.
 inline constexpr double code_in_linear = 1.0 / 255.0;
 

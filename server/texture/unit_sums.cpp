@@ -7,16 +7,14 @@ namespace {
 
 /// Side of the images of a level, in texels: the unit's and as much more as a patch of any variant hangs
 /// over.
-std::int32_t image_side(std::int32_t tile_side, const Stamps::Level& stamps, const Variants& variants) {
+std::int32_t image_side(std::int32_t tile_side, const StampSpans::Level& level, const Variants& variants) {
     std::int32_t side = tile_side * variants.unit_tiles;
     for (std::uint32_t type = 0; type < variants.types(); ++type)
         for (const Shown& shown : variants.of(type)) {
-            const Stamps::Stamp& stamp = stamps.stamps[shown.shape];
-            for (std::uint32_t row = 0; row < stamp.rows; ++row) {
-                const Stamps::Span& span = stamps.spans[stamp.first_span + row];
-                if (span.begin == span.end) continue;
-                side = std::max({side, shown.tile_x * tile_side + span.end,
-                                 shown.tile_y * tile_side + stamp.y + static_cast<std::int32_t>(row) + 1});
+            std::int32_t y = shown.tile_y * tile_side + level.stamps[shown.shape].y;
+            for (const StampSpans::Span& span : level.of(shown.shape)) {
+                ++y;
+                if (span.begin < span.end) side = std::max({side, shown.tile_x * tile_side + span.end, y});
             }
         }
     return side;
@@ -24,39 +22,45 @@ std::int32_t image_side(std::int32_t tile_side, const Stamps::Level& stamps, con
 
 }  // namespace
 
-std::size_t VariantImages::bytes(int level, int tile_level, const Stamps& stamps, const Variants& variants) {
+std::size_t VariantImages::bytes(int level, int tile_level, const StampSpans& spans,
+                                 const Variants& variants) {
     const auto side =
-        static_cast<std::size_t>(image_side(1 << (tile_level - level), stamps.level(level), variants));
+        static_cast<std::size_t>(image_side(1 << (tile_level - level), spans.level(level), variants));
     return variants.types() * side * side * 3 * sizeof(float);
 }
 
-VariantImages::VariantImages(int level, int tile_level, const Stamps& stamps, const Variants& variants)
+void VariantImages::fill(std::uint32_t type, const std::vector<double>& image) {
+    const double* from = image.data();
+    float* to = values_.data() + std::size_t{type} * std::size_t(side_) * row_floats();
+    for (std::int32_t y = 0; y < side_; ++y, from += std::size_t(side_) * 3, to += row_floats())
+        std::transform(from, from + std::size_t(side_) * 3, to,
+                       [](double value) { return static_cast<float>(value); });
+}
+
+VariantImages::VariantImages(int level, int tile_level, const StampSpans& spans, const Stamps& stamps,
+                             const Variants& variants)
     : level_{level}, types_{variants.types()} {
     const std::int32_t tile_side = 1 << (tile_level - level);
-    const Stamps::Level& from = stamps.level(level);
+    const StampSpans::Level& in = spans.level(level);
     unit_side_ = tile_side * variants.unit_tiles;
-    side_ = image_side(tile_side, from, variants);
+    side_ = image_side(tile_side, in, variants);
 
-    const std::size_t row_floats = std::size_t(side_) * 3;
-    values_.resize(std::size_t{types_} * std::size_t(side_) * row_floats + 16);
-    std::vector<double> image(std::size_t(side_) * row_floats);
+    const std::size_t width = std::size_t(side_) * 3;
+    values_.resize(std::size_t{types_} * std::size_t(side_) * row_floats() + 16);
+    std::vector<double> image(std::size_t(side_) * width);
     for (std::uint32_t type = 0; type < types_; ++type) {
         std::fill(image.begin(), image.end(), 0.0);
         for (const Shown& shown : variants.of(type)) {
-            const Stamps::Stamp& stamp = from.stamps[shown.shape];
-            for (std::uint32_t row = 0; row < stamp.rows; ++row) {
-                const Stamps::Span& span = from.spans[stamp.first_span + row];
-                const auto y = static_cast<std::size_t>(shown.tile_y * tile_side + stamp.y +
-                                                        static_cast<std::int32_t>(row));
-                const float* values = from.row(span);
+            auto y = static_cast<std::size_t>(shown.tile_y * tile_side + in.stamps[shown.shape].y);
+            for (const StampSpans::Span& span : in.of(shown.shape)) {
+                const float* from = stamps.row(level, span);
+                double* to = image.data() + y++ * width;
                 if (span.begin == span.end) continue;
-                double* out =
-                    image.data() + y * row_floats + std::size_t(shown.tile_x * tile_side + span.begin) * 3;
-                for (std::int32_t i = 0; i < (span.end - span.begin) * 3; ++i) out[i] += double{values[i]};
+                to += std::size_t(shown.tile_x * tile_side + span.begin) * 3;
+                for (std::int32_t i = 0; i < (span.end - span.begin) * 3; ++i) to[i] += double{from[i]};
             }
         }
-        std::transform(image.begin(), image.end(), values_.begin() + std::ptrdiff_t(type * image.size()),
-                       [](double value) { return static_cast<float>(value); });
+        fill(type, image);
     }
 }
 
@@ -66,7 +70,7 @@ VariantImages VariantImages::halved() const {
     out.types_ = types_;
     out.unit_side_ = unit_side_ / 2;
     out.side_ = (side_ + 1) / 2;
-    out.values_.resize(std::size_t{types_} * std::size_t(out.side_) * std::size_t(out.side_) * 3 + 16);
+    out.values_.resize(std::size_t{types_} * std::size_t(out.side_) * out.row_floats() + 16);
     std::vector<double> image(std::size_t(out.side_) * std::size_t(out.side_) * 3);
     for (std::uint32_t type = 0; type < types_; ++type) {
         std::fill(image.begin(), image.end(), 0.0);
@@ -76,8 +80,7 @@ VariantImages VariantImages::halved() const {
             for (std::int32_t x = 0; x < side_; ++x)
                 for (std::int32_t c = 0; c < 3; ++c) to[x / 2 * 3 + c] += 0.25 * double{from[x * 3 + c]};
         }
-        std::transform(image.begin(), image.end(), out.values_.begin() + std::ptrdiff_t(type * image.size()),
-                       [](double value) { return static_cast<float>(value); });
+        out.fill(type, image);
     }
     return out;
 }

@@ -43,7 +43,7 @@ class PaintedTexture : public ExchangeTexture {
                 sources.push_back(source_(region.x + x, region.y + y));
         return sources;
     }
-    std::shared_ptr<const Texture> with_texels(const Rgb16Image&, const Rgb16Image&) const override {
+    std::shared_ptr<const ExchangeData> with_texels(std::span<const DataImages>) const override {
         return nullptr;
     }
     std::string_view kind() const noexcept override { return "painted"; }

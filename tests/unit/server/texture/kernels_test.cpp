@@ -1,5 +1,6 @@
 #include "server/texture/kernels.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -49,10 +50,14 @@ TEST(Kernels, BlendAddsTheWeightedDifferenceFromTheTile) {
     for (std::size_t k = 0; k < available_kernels().count; ++k) {
         const Kernels& kernel = *available_kernels().items[k];
         std::vector<std::int32_t> sums(std::size_t{width} * 4 + 32);
+        std::vector<Kernels::BlendRun<std::uint8_t>> runs;
         for (std::size_t t = 0; t < 2; ++t)
-            kernel.blend(content[t].data(), tile.data(), weights[t].data(), width, sums.data());
+            runs.push_back({content[t].data(), tile.data(), weights[t].data(), sums.data(), width});
+        kernel.blend(runs.data(), runs.size());
         std::vector<std::uint8_t> rgba(std::size_t{width} * 4);
-        kernel.encode_blended(sums.data(), tile.data(), width, rgba.data());
+        std::vector<std::int32_t> encoded = sums;
+        kernel.encode_blended(encoded.data(), tile.data(), width, rgba.data());
+        ASSERT_EQ(std::count(encoded.begin(), encoded.begin() + width * 4, 0), width * 4) << kernel.name;
         for (std::size_t i = 0; i < std::size_t{width} * 4; ++i) {
             if (i % 4 == 3) {
                 ASSERT_EQ(rgba[i], 255);
@@ -69,8 +74,27 @@ TEST(Kernels, BlendAddsTheWeightedDifferenceFromTheTile) {
     }
 }
 
+TEST(Kernels, BlendStepsAddsTheSameOfSteps) {
+    constexpr std::int32_t width = 37;
+    std::vector<std::uint16_t> content, tile, weights;
+    for (std::int64_t i = 0; i < width * 4; ++i) {
+        content.push_back(static_cast<std::uint16_t>(random(i, 300)));
+        tile.push_back(static_cast<std::uint16_t>(random(i, 301)));
+        if (i < width) weights.push_back(static_cast<std::uint16_t>(random(i, 302) % 32768));
+    }
+    for (std::size_t k = 0; k < available_kernels().count; ++k) {
+        std::vector<std::int32_t> sums(std::size_t{width} * 4, 5);
+        const Kernels::BlendRun<std::uint16_t> run{content.data(), tile.data(), weights.data(), sums.data(),
+                                                   width};
+        available_kernels().items[k]->blend_steps(&run, 1);
+        for (std::size_t i = 0; i < sums.size(); ++i)
+            ASSERT_EQ(sums[i], 5 + std::int64_t{weights[i / 4]} * (std::int64_t{content[i]} - tile[i]))
+                << available_kernels().items[k]->name;
+    }
+}
+
 TEST(Kernels, SpansAreAddedWhereTheyFallInsideTheRow) {
-    const Stamps::Span spans[] = {{-4, 9, 0}, {2, 2, 5}, {3, 8, 5}};
+    const StampSpans::Span spans[] = {{-4, 9, 0}, {2, 2, 5}, {3, 8, 5}};
     std::vector<float> values;
     for (std::int64_t i = 0; i < 56; ++i)  // rows of 39 and 15 floats, padded to 40 and 16 with zeros
         values.push_back(i == 39 || i == 55 ? 0.0F : float(random(i) >> 50) / 1024.0F);
@@ -78,7 +102,7 @@ TEST(Kernels, SpansAreAddedWhereTheyFallInsideTheRow) {
         const Kernels& kernel = *available_kernels().items[k];
         for (std::int64_t x = -12; x < 12; ++x) {
             constexpr std::int32_t width = 7;
-            std::vector<float> rgb(std::size_t{width} * 3 * 3 + Stamps::row_floats, 0.25F);
+            std::vector<float> rgb(std::size_t{width} * 3 * 3 + StampSpans::row_floats, 0.25F);
             std::size_t expected_count = 0;
             const std::size_t count =
                 kernel.add_spans(spans, 3, values.data(), x, width, rgb.data(), width * 3);
@@ -87,7 +111,7 @@ TEST(Kernels, SpansAreAddedWhereTheyFallInsideTheRow) {
                     const bool inside = column - x >= spans[row].begin && column - x < spans[row].end;
                     expected_count += inside ? 1 : 0;
                     const auto from =
-                        static_cast<std::size_t>(std::int64_t{spans[row].offset} * Stamps::row_floats +
+                        static_cast<std::size_t>(std::int64_t{spans[row].offset} * StampSpans::row_floats +
                                                  (column - x - spans[row].begin) * 3);
                     for (std::size_t c = 0; c < 3; ++c)
                         ASSERT_EQ(rgb[std::size_t(row * width + column) * 3 + c],
@@ -114,8 +138,12 @@ TEST(Kernels, NodesAddOwnAndWhatHangsOverFromThreeNeighbours) {
     }
     for (std::size_t k = 0; k < available_kernels().count; ++k) {
         const Kernels& kernel = *available_kernels().items[k];
-        std::vector<float> rgb(std::size_t{width} * 3, 0.5F);
-        kernel.add_nodes(table.data(), row.data(), above.data(), width, rgb.data());
+        std::vector<float> rgb(std::size_t{width} * 3 + 1);
+        const float base[4] = {0.5F, 0.5F, 0.5F, 0.5F};
+        float hanging[width + 1][2][4];
+        for (std::size_t x = 0; x <= std::size_t{width}; ++x)
+            std::copy_n(&table[above[x]].part[2][0], 8, &hanging[x][0][0]);
+        kernel.add_nodes(table.data(), row.data(), base, hanging, width, rgb.data());
         for (std::size_t x = 0; x < std::size_t{width}; ++x)
             for (std::size_t c = 0; c < 3; ++c)
                 ASSERT_NEAR(rgb[x * 3 + c],
@@ -123,6 +151,9 @@ TEST(Kernels, NodesAddOwnAndWhatHangsOverFromThreeNeighbours) {
                                 table[above[x + 1]].part[2][c] + table[above[x]].part[3][c],
                             1e-6)
                     << kernel.name;
+        for (std::size_t x = 0; x <= std::size_t{width}; ++x)
+            for (std::size_t i = 0; i < 8; ++i)
+                ASSERT_EQ(hanging[x][i / 4][i % 4], table[row[x]].part[2 + i / 4][i % 4]) << kernel.name;
     }
 }
 
