@@ -18,19 +18,20 @@ class SummedArea {
 
     SummedArea() = default;
 
-    /// `steps`: 4·width·height, rows from the top; sides 1 to 32768.
-    SummedArea(std::int32_t width, std::int32_t height, const std::uint16_t* steps)
-        : width_{width}, height_{height}, entries_(entries_of(width, height)) {
-        const std::size_t pitch = 4 * (static_cast<std::size_t>(width) + 1);
-        for (std::int32_t y = 0; y < height; ++y) {
-            std::uint32_t* below = entries_.data() + (static_cast<std::size_t>(y) + 1) * pitch + 4;
-            std::array<std::uint32_t, 4> row{};
-            for (std::int32_t x = 0; x < width; ++x, below += 4)
-                for (std::size_t c = 0; c < 4; ++c) {
-                    row[c] += *steps++;
-                    below[c] = *(below + c - pitch) + row[c];
-                }
-        }
+    /// All transparent black. Sides 1 to 32768.
+    SummedArea(std::int32_t width, std::int32_t height)
+        : width_{width}, height_{height}, entries_(entries_of(width, height)) {}
+
+    /// The next row, in order from the top, 4·width steps: called once for each row.
+    void set_row(std::int32_t y, const std::uint16_t* steps) noexcept {
+        const std::uint32_t* above = line(y) + 4;
+        std::uint32_t* below = entries_.data() + (line(y + 1) - line(0)) + 4;
+        std::array<std::uint32_t, 4> row{};
+        for (std::int32_t x = 0; x < width_; ++x, above += 4, below += 4, steps += 4)
+            for (std::size_t c = 0; c < 4; ++c) {
+                row[c] += steps[c];
+                below[c] = above[c] + row[c];
+            }
     }
 
     std::int32_t width() const noexcept { return width_; }

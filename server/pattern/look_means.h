@@ -14,12 +14,12 @@ namespace tessera {
 struct LookMeans {
     std::int32_t turns = 1;  ///< 1 where there is no transform; Look::turn is then 0.
     std::int32_t scales = 1;
-    std::int32_t slices = 1;                  ///< Of a pattern.
+    std::int32_t slices = 1;                   ///< Of a pattern.
     std::vector<std::array<double, 4>> means;  ///< [((pattern·turns + turn)·scales + scale)·slices + slice]
 
     /// Pattern −1 and slices outside the set are transparent.
     std::array<double, 4> of(std::int32_t pattern, std::uint8_t turn, std::uint8_t scale,
-                            std::int32_t slice) const noexcept {
+                             std::int32_t slice) const noexcept {
         if (pattern < 0 || slice < 0 || slice >= slices) return {};
         const std::size_t look =
             (static_cast<std::size_t>(pattern) * static_cast<std::size_t>(turns) + turn) *

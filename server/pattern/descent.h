@@ -1,0 +1,29 @@
+#pragma once
+
+#include <vector>
+
+#include "server/texture/texture.h"
+
+namespace tessera {
+
+/// A texture put together from parts whose products do not commute with the box filter: its texels at a level
+/// are estimates, each with its own certain bound; at level 0 they are exact.
+class Composite {
+  public:
+    virtual ~Composite() = default;
+    /// `bounds`: for each texel of `region`, in linear light, rows from the top. The evaluation's bound_codes
+    /// says how much of them is the parts' own, which no descent mends.
+    virtual Result<Evaluation> compose(const TexelRegion& region, const Budget& budget, LinearImage& out,
+                                       std::vector<float>& bounds) const = 0;
+    /// What a texel costs: layers, instances that may meet.
+    virtual int parts() const noexcept = 0;
+};
+
+/// Evaluates a composite, and where a block's bound is above half a code composes it d levels below and
+/// reduces: estimates of smaller texels are products of less. fast: d = 0; high: up to 2; exact: as deep as a
+/// certain half code needs, at most until a texel has cost 256 parts (2^24 of a page). Blocks lie on the
+/// level's lattice, so that a texel does not depend on the region that it was asked for in.
+Result<Evaluation> evaluate_descending(const Composite& composite, const TexelRegion& region,
+                                       const Budget& budget, LinearImage& out);
+
+}  // namespace tessera

@@ -1,0 +1,87 @@
+#include "server/pattern/layered_texture.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "server/pattern/descent.h"
+#include "server/pattern/mean_products.h"
+
+namespace tessera {
+namespace {
+
+class LayeredTexture final : public Texture, private Composite {
+  public:
+    explicit LayeredTexture(std::vector<Layer> layers) : layers_{std::move(layers)} {}
+
+    using Texture::evaluate;
+    Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
+                                LinearImage& out) const override {
+        return evaluate_descending(*this, region, budget, out);
+    }
+    std::string_view kind() const noexcept override { return "layers"; }
+    std::string description() const override {
+        std::string text = std::to_string(layers_.size()) + " layers, composited where they are filtered";
+        for (const Layer& layer : layers_) text += "; " + layer.texture->description();
+        return text;
+    }
+    std::size_t memory_bytes() const noexcept override {
+        std::size_t bytes = sizeof *this;
+        for (const Layer& layer : layers_) bytes += layer.texture->memory_bytes();
+        return bytes;
+    }
+
+  private:
+    int parts() const noexcept override { return static_cast<int>(layers_.size()); }
+
+    Result<Evaluation> compose(const TexelRegion& region, const Budget& budget, LinearImage& out,
+                               std::vector<float>& bounds) const override {
+        Evaluation sum{.method = "layers"};
+        double doubt = 0;
+        const auto add = [&](const Evaluation& part) {
+            sum.work += part.work;
+            doubt += 1 - part.confidence;
+            sum.bound_codes += part.bound_codes;
+            return static_cast<float>(part.bound_codes * code_in_linear);
+        };
+        const auto ground = layers_.front().texture->evaluate(region, budget, out);
+        if (!ground) return ground;
+        const float ground_error = add(*ground);
+        TexelRange range = layers_.front().range;
+        const std::size_t texels = out.values.size() / 4;
+        std::vector<KnownMeans> means(texels);
+        for (std::size_t i = 0; i < texels; ++i)
+            for (std::size_t c = 0; c < 4; ++c) {
+                const float value = out.values[i * 4 + c];
+                means[i].estimate[c] = value;
+                means[i].least[c] = std::max(value - ground_error, range.least[c]);
+                means[i].most[c] = std::min(value + ground_error, range.most[c]);
+            }
+        for (std::size_t k = 1; k < layers_.size(); ++k) {
+            const auto upper = layers_[k].texture->evaluate(region, budget, out);
+            if (!upper) return upper;
+            const float error = add(*upper);
+            const MeansOver over{layers_[k].range, range, region.level == 0};
+            for (std::size_t i = 0; i < texels; ++i) over(&out.values[i * 4], error, means[i]);
+            range = over.range();
+        }
+        bounds.resize(texels);
+        for (std::size_t i = 0; i < texels; ++i) {
+            std::copy_n(means[i].estimate.begin(), 4,
+                        out.values.begin() + static_cast<std::ptrdiff_t>(i * 4));
+            bounds[i] = means[i].bound();
+        }
+        sum.confidence = std::max(1 - doubt, 0.0);
+        return sum;
+    }
+
+    std::vector<Layer> layers_;
+};
+
+}  // namespace
+
+std::shared_ptr<const Texture> make_layered_texture(std::vector<Layer> layers) {
+    if (layers.size() == 1) return layers.front().texture;
+    return std::make_shared<LayeredTexture>(std::move(layers));
+}
+
+}  // namespace tessera
