@@ -177,6 +177,12 @@ class ExchangeWalk::Level0Band {
         for (std::size_t s = 0; s < walk_.sources_.size(); ++s) {
             const TexelSource& from = walk_.sources_[s]->*image;
             float* rgb = linear_.row(s, row) + std::ptrdiff_t{x} * 3;
+            if (!from.has_codes()) {
+                const std::uint16_t* steps = from.step_row(v) + std::ptrdiff_t{u} * 4;
+                for (std::int32_t i = 0; i < width; ++i, rgb += 3, steps += 4)
+                    put_linear(rgb, steps[0], steps[1], steps[2], linear_one);
+                continue;
+            }
             for (std::int32_t i = 0; i < width; ++i, rgb += 3)
                 put_linear(rgb, from.step(u + i, v, 0), from.step(u + i, v, 1), from.step(u + i, v, 2),
                            linear_one);
