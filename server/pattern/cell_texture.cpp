@@ -5,11 +5,14 @@
 #include <utility>
 #include <vector>
 
+#include "server/pattern/area_expectation.h"
 #include "server/pattern/cell_rows.h"
 #include "server/pattern/cell_slice.h"
 #include "server/pattern/pattern_mips.h"
 #include "server/pattern/pixel_format.h"
+#include "server/pattern/slice_cache.h"
 #include "server/pattern/typed_texture.h"
+#include "shared/math/hash.h"
 
 namespace tessera {
 namespace {
@@ -17,16 +20,39 @@ namespace {
 /// Rounding to float, the only error of levels that are exact.
 constexpr double rounding_codes = 4e-5;
 
+/// Texels of up to 4^this cells are summed cell by cell. It depends on nothing else, so that neighbouring
+/// regions agree.
+constexpr int enumerated_levels(Accuracy accuracy) {
+    return accuracy == Accuracy::exact ? 4 : accuracy == Accuracy::high ? 3 : 0;
+}
+/// Where nothing is known of larger texels' cells, 4^this of them are looked at.
+constexpr int sampled_levels(Accuracy accuracy) {
+    return accuracy == Accuracy::exact ? 4 : accuracy == Accuracy::high ? 3 : 2;
+}
+
 /// Cells that are drawn one by one, or from one map.
 class DrawnCells final : public PatternTexture {
   public:
     DrawnCells(const ReferencePlan& plan, std::shared_ptr<const PatternMips> mips)
-        : grid_{plan.grid}, program_{plan.program}, mips_{std::move(mips)} {}
+        : grid_{plan.grid}, program_{plan.program}, mips_{std::move(mips)} {
+        means_.slices = mips_->slices();
+        for (std::uint32_t image = 0; image < mips_->blank(); ++image)
+            means_.means.push_back(mips_->mean(image));
+        const auto first = of_slice(0);
+        known_ = first->expectation != nullptr;
+        certain_ = known_ && first->expectation->bound(1).codes == 0;
+    }
 
     Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
                                 LinearImage& out) const override {
         reshape(out, region.width, region.height);
-        return region.level <= grid_.cell_log2 ? copy(region, budget, out) : sum_cells(region, budget, out);
+        if (region.level <= grid_.cell_log2) return copy(region, budget, out);
+        const int up = region.level - grid_.cell_log2;
+        if (certain_ || (known_ && up > enumerated_levels(budget.accuracy)))
+            return of_slice(cell_slice(grid_, region.slice, mips_->slices()).slice)
+                ->expectation->evaluate(region, up, budget, out);
+        if (known_ || up <= sampled_levels(budget.accuracy)) return sum_cells(region, budget, out);
+        return sample_cells(region, budget, out);
     }
     Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
                                 Rgba8Image& out) const override {
@@ -37,14 +63,38 @@ class DrawnCells final : public PatternTexture {
     std::string_view kind() const noexcept override { return "pattern"; }
     std::string description() const override {
         return std::to_string(mips_->count()) + " patterns, cells of " +
-               std::to_string(std::int64_t{1} << grid_.cell_log2) + " texels";
+               std::to_string(std::int64_t{1} << grid_.cell_log2) + " texels, above them " +
+               (certain_ ? "exact"
+                : known_ ? "cells, then their expectation"
+                         : "cells, then a sample of them");
     }
     std::size_t memory_bytes() const noexcept override {
-        return sizeof *this + mips_->memory_bytes() + program_->memory_bytes();
+        const auto first = of_slice(0);
+        const std::size_t of_a_slice = known_ ? first->expectation->memory_bytes() : 0;
+        return sizeof *this + mips_->memory_bytes() + means_.memory_bytes() + program_->memory_bytes() +
+               of_a_slice * std::min(SliceCache<OfSlice>::most_kept, std::size_t(mips_->slices()));
     }
-    int cell_level() const noexcept override { return grid_.cell_log2; }
+    int cell_level() const noexcept override { return certain_ ? -1 : grid_.cell_log2; }
 
   private:
+    struct OfSlice {
+        std::unique_ptr<const AreaExpectation> expectation;  ///< Null where cells have to be looked at.
+        double width = 0;                                    ///< That all patterns' means span.
+    };
+    std::shared_ptr<const OfSlice> of_slice(std::int64_t slice) const {
+        return slices_.get(slice, [&](std::int64_t at) {
+            auto made = std::make_shared<OfSlice>();
+            const auto in_set = static_cast<std::int32_t>(at);
+            made->expectation = make_area_expectation(*program_, means_, in_set);
+            ColourRange range;
+            range.add(Colour{});
+            for (std::int32_t pattern = 0; pattern < mips_->count(); ++pattern)
+                range.add(means_.of(pattern, 0, 0, in_set));
+            made->width = range.width();
+            return made;
+        });
+    }
+
     /// Which image each cell of a rectangle shows, a row of cells at a time.
     class Images {
       public:
@@ -153,9 +203,50 @@ class DrawnCells final : public PatternTexture {
             .work = std::uint64_t(region.width) * std::uint64_t(region.height) * std::uint64_t(n * n)};
     }
 
+    /// Larger texels of cells of which nothing is known: one cell of each of many strata, picked by a hash.
+    Result<Evaluation> sample_cells(const TexelRegion& region, const Budget& budget, LinearImage& out) const {
+        const int strata_log2 = sampled_levels(budget.accuracy);
+        const int free_log2 = region.level - grid_.cell_log2 - strata_log2;  // bits that are drawn: 1 to 30
+        const std::int64_t strata = std::int64_t{1} << strata_log2, mask = (std::int64_t{1} << free_log2) - 1;
+        const double unit = mips_->sum_unit() * static_cast<double>(strata * strata);
+        const std::uint64_t key = stream("cells of a texel", region.level);
+        for (std::int32_t y = 0; y < region.height; ++y) {
+            if (auto spent = check_budget(budget); !spent) return spent.error();
+            float* texel = out.row(y);
+            for (std::int32_t x = 0; x < region.width; ++x) {
+                std::array<std::int64_t, 4> sum{};
+                for (std::int64_t i = 0; i < strata * strata; ++i) {
+                    const std::int64_t column = (region.x + x) * strata + i % strata;
+                    const std::int64_t row = (region.y + y) * strata + i / strata;
+                    const std::uint64_t bits = hash(0, key, column, row);
+                    const std::int64_t cell_x =
+                        column * (mask + 1) + (static_cast<std::int64_t>(bits) & mask);
+                    const std::int64_t cell_y =
+                        row * (mask + 1) + (static_cast<std::int64_t>(bits >> 32) & mask);
+                    const auto& of =
+                        mips_->sum(*Images{*this, region.slice, cell_x, cell_y, 1, 1}.row(cell_y));
+                    for (std::size_t channel = 0; channel < 4; ++channel) sum[channel] += of[channel];
+                }
+                for (const std::int64_t channel : sum)
+                    *texel++ = static_cast<float>(static_cast<double>(channel) / unit);
+            }
+        }
+        const double width = of_slice(cell_slice(grid_, region.slice, mips_->slices()).slice)->width;
+        const double codes = chance_codes(width, static_cast<double>(strata * strata));
+        return Evaluation{.method = "sampled",
+                          .bound_codes = std::min(codes, 255 * width) + rounding_codes,
+                          .confidence = codes < 255 * width ? stated_confidence : 1,
+                          .work = std::uint64_t(region.width) * std::uint64_t(region.height) *
+                                  std::uint64_t(strata * strata)};
+    }
+
     Grid grid_;
     std::shared_ptr<const CellProgram> program_;
     std::shared_ptr<const PatternMips> mips_;
+    LookMeans means_;
+    SliceCache<OfSlice> slices_;
+    bool known_ = false;    ///< The cells' expectation can be listed.
+    bool certain_ = false;  ///< Nothing is left to chance: the expectation is what is shown.
 };
 
 }  // namespace

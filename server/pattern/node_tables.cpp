@@ -53,8 +53,8 @@ std::vector<std::uint8_t> blocks_of(const TypedQuadtree& quadtree, int height, Q
 
 }  // namespace
 
-NodeTables::NodeTables(const TypedQuadtree& quadtree, int cell_log2, std::vector<std::array<double, 4>> means,
-                       std::vector<float> quarters)
+CellNodeTables::CellNodeTables(const TypedQuadtree& quadtree, int cell_log2,
+                               std::vector<std::array<double, 4>> means, std::vector<float> quarters)
     : cell_log2_{cell_log2}, quarters_{std::move(quarters)} {
     if (cell_log2 > 0) {
         const std::vector<Code> codes = encoded(quarters_);
@@ -86,16 +86,16 @@ NodeTables::NodeTables(const TypedQuadtree& quadtree, int cell_log2, std::vector
     }
 }
 
-NodeTables::Images<float> NodeTables::linear(int level) const noexcept {
+CellNodeTables::Images<float> CellNodeTables::linear(int level) const noexcept {
     if (level < cell_log2_) return {quarters_.data(), 1, 0};
     return {means_[std::size_t(level - cell_log2_)].data(), 0, level - cell_log2_};
 }
 
-NodeTables::Images<std::uint8_t> NodeTables::codes(int level) const noexcept {
+CellNodeTables::Images<std::uint8_t> CellNodeTables::codes(int level) const noexcept {
     return {blocks_[std::size_t(level - first_level())].data(), 2, level - cell_log2_ + 2};
 }
 
-std::size_t NodeTables::memory_bytes() const noexcept {
+std::size_t CellNodeTables::memory_bytes() const noexcept {
     std::size_t bytes = sizeof *this + quarters_.size() * sizeof(float);
     for (const auto& means : means_) bytes += means.size() * sizeof(float);
     for (const auto& blocks : blocks_) bytes += blocks.size();

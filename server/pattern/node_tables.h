@@ -12,12 +12,12 @@ namespace tessera {
 
 /// What all that lies under a node of a typed quadtree looks like, for each type and for every height that a
 /// page may ask for: a function of (height, type), tabulated once from the cells up (DESIGN section 2).
-class NodeTables {
+class CellNodeTables {
   public:
     /// Of every type, in its order: `means`, the cell's mean colour, and `quarters`, its image at the level
     /// where it is 2×2 texels (four texels from the top left; empty where the cell is one texel).
-    NodeTables(const TypedQuadtree& quadtree, int cell_log2, std::vector<std::array<double, 4>> means,
-               std::vector<float> quarters);
+    CellNodeTables(const TypedQuadtree& quadtree, int cell_log2, std::vector<std::array<double, 4>> means,
+                   std::vector<float> quarters);
 
     /// The finest level that the tables hold: where a cell is 2×2 texels, or 0.
     int first_level() const noexcept { return cell_log2_ > 0 ? cell_log2_ - 1 : 0; }

@@ -1,8 +1,6 @@
 #include "server/pattern/typed_texture.h"
 
 #include <algorithm>
-#include <list>
-#include <mutex>
 #include <numeric>
 #include <type_traits>
 #include <utility>
@@ -11,6 +9,7 @@
 #include "server/pattern/cell_slice.h"
 #include "server/pattern/node_tables.h"
 #include "server/pattern/pixel_format.h"
+#include "server/pattern/slice_cache.h"
 
 namespace tessera {
 namespace {
@@ -19,8 +18,6 @@ namespace {
 constexpr double rounding_codes = 4e-5;
 /// Images of all types at a level are kept if they take no more.
 constexpr std::size_t kept_level_bytes = std::size_t{8} << 20;
-/// Tables of so many slices are kept at a time.
-constexpr std::size_t kept_slices = 8;
 
 /// Square images that lie ready, one for each type of the nodes of a height.
 struct ReadyImages {
@@ -40,10 +37,10 @@ class SliceImages {
     /// The image of a cell that does not lie ready.
     virtual void draw(std::uint16_t type, int level, LinearImage& out) const = 0;
     virtual std::size_t memory_bytes() const noexcept = 0;
-    const NodeTables& nodes() const { return *nodes_; }
+    const CellNodeTables& nodes() const { return *nodes_; }
 
   protected:
-    std::unique_ptr<const NodeTables> nodes_;
+    std::unique_ptr<const CellNodeTables> nodes_;
 };
 
 /// Cells that each show one pattern: their images are the patterns' MIP chains.
@@ -62,7 +59,7 @@ class PatternSlice final : public SliceImages {
             const auto first = mips.linear(grid.cell_log2 - 1).values.begin() + std::ptrdiff_t{image} * 16;
             quarters.insert(quarters.end(), first, first + 16);
         }
-        nodes_ = std::make_unique<NodeTables>(*grid.quadtree, grid.cell_log2, std::move(means),
+        nodes_ = std::make_unique<CellNodeTables>(*grid.quadtree, grid.cell_log2, std::move(means),
                                               std::move(quarters));
     }
     ReadyImages ready(int level, const LinearImage*) const override {
@@ -107,7 +104,7 @@ class DrawnSlice final : public SliceImages {
         std::vector<std::array<double, 4>> means(types);
         const LinearImage cells = all_of_level(cell_log2_);
         for (std::size_t i = 0; i < cells.values.size(); ++i) means[i / 4][i % 4] = double{cells.values[i]};
-        nodes_ = std::make_unique<NodeTables>(
+        nodes_ = std::make_unique<CellNodeTables>(
             *grid.quadtree, cell_log2_, std::move(means),
             cell_log2_ > 0 ? all_of_level(cell_log2_ - 1).values : std::vector<float>{});
         for (int level = cell_log2_ - 2; level >= 0; --level) {
@@ -172,7 +169,8 @@ class TypedTexture : public PatternTexture {
     int cell_level() const noexcept override { return grid_.cell_log2; }
     std::size_t memory_bytes() const noexcept override {
         return sizeof *this + images_bytes() + grid_.quadtree->memory_bytes() +
-               of_slice(0)->memory_bytes() * std::min<std::size_t>(kept_slices, std::size_t(slices_));
+               of_slice(0)->memory_bytes() *
+                   std::min<std::size_t>(SliceCache<SliceImages>::most_kept, std::size_t(slices_));
     }
 
   protected:
@@ -191,18 +189,8 @@ class TypedTexture : public PatternTexture {
     std::int32_t slices_;
 
   private:
-    /// The tables of a slice: those used last are kept, others are made again (some milliseconds).
     std::shared_ptr<const SliceImages> of_slice(std::int64_t slice) const {
-        const std::lock_guard lock{mutex_};
-        const auto found =
-            std::find_if(kept_.begin(), kept_.end(), [&](const auto& kept) { return kept.first == slice; });
-        if (found != kept_.end()) {
-            kept_.splice(kept_.begin(), kept_, found);
-        } else {
-            kept_.emplace_front(slice, make_slice(slice));
-            if (kept_.size() > kept_slices) kept_.pop_back();
-        }
-        return kept_.front().second;
+        return kept_.get(slice, [&](std::int64_t at) { return make_slice(at); });
     }
 
     template <class Image>
@@ -303,9 +291,7 @@ class TypedTexture : public PatternTexture {
         return evaluation;
     }
 
-    mutable std::mutex mutex_;
-    mutable std::list<std::pair<std::int64_t, std::shared_ptr<const SliceImages>>>
-        kept_;  ///< Last used first.
+    SliceCache<SliceImages> kept_;
 };
 
 class TypedPatterns final : public TypedTexture {

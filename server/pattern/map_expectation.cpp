@@ -1,0 +1,349 @@
+#include "server/pattern/map_expectation.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "server/pattern/area_sums.h"
+#include "server/pattern/corner_patches.h"
+#include "server/pattern/look_mixture.h"
+#include "server/pattern/map_states.h"
+#include "server/pattern/patch_basis.h"
+
+namespace tessera {
+namespace {
+
+constexpr double rounding_codes = 4e-5;
+/// More kinds of patches than that are not listed.
+constexpr std::uint32_t most_corner_patches = 1 << 14;
+/// Maps of more patches keep sums of blocks of patches.
+constexpr std::int64_t most_single_sums = std::int64_t{1} << 20;
+constexpr int block_log2 = 3;
+
+class MapExpectation final : public AreaExpectation {
+  public:
+    MapExpectation(const CellProgram& program, const VaryingMap& varying, MapStates states,
+                   const LookMeans& means, std::int32_t slice)
+        : map_{*varying.map},
+          states_{std::move(states)},
+          columns_{basis_of(varying.sampling, varying.corners, false)},
+          rows_{basis_of(varying.sampling, varying.corners, true)},
+          corners_{varying.corners},
+          drawn_{varying.sampling != VaryingMap::Sampling::nearest},
+          nested_{varying.nested},
+          independent_{program.independent_cells()} {
+        // The first state's colours are what others are told from
+        const std::array<std::int32_t, 4> first{states_.values().front(), states_.values().front(),
+                                                states_.values().front(), states_.values().front()};
+        const std::span<const std::int32_t> first_states{first.data(), corners_ ? 4u : 1u};
+        base_ = base_of(program.shares(first_states), means, slice);
+        if (corners_) {
+            list_corner_patches(program, varying, means, slice);
+        } else {
+            for (const std::int32_t& state : states_.values()) {
+                looks_.push_back(mixture_of(program.shares({&state, 1}), means, slice, base_));
+                largest_width_ = std::max(largest_width_, looks_.back().range.width());
+                range_.add(looks_.back().range);
+            }
+        }
+        if (drawn_) largest_width_ = range_.width();
+        if (!is_listed()) return;
+        if (!sums_) make_sums();
+    }
+
+    /// Whether there were few enough kinds of patches.
+    bool is_listed() const noexcept {
+        return !corner_patches_ || corner_patches_->count() <= most_corner_patches;
+    }
+
+    ChanceBound bound(int up) const noexcept override { return bound_of(up, largest_width_, range_.width()); }
+
+    Result<Evaluation> evaluate(const TexelRegion& region, int up, const Budget& budget,
+                                LinearImage& out) const override {
+        return up <= map_.cells_log2 ? inside_patches(region, up, budget, out)
+                                     : over_patches(region, up - map_.cells_log2, up, budget, out);
+    }
+
+    std::size_t memory_bytes() const noexcept override {
+        return sizeof *this + states_.memory_bytes() + looks_.size() * sizeof looks_[0] +
+               patch_of_.size() * sizeof patch_of_[0] + (sums_ ? sums_->memory_bytes() : 0) +
+               (corner_patches_ ? corner_patches_->memory_bytes() : 0);
+    }
+
+  private:
+    /// Patch (i, j) lies between the entries (i, j) and (i + 1, j + 1), counted from the map's first.
+    AreaSums::Axis patch_axis(std::int64_t entries) const noexcept {
+        if (map_.edge == StoredMap::Edge::wrap) return {0, entries, true};
+        return {-2, entries + 3, false};  // two on each side are as all beyond
+    }
+    std::uint16_t state_at(std::int64_t i, std::int64_t j) const noexcept {
+        return states_.number(map_.entry(i, j));
+    }
+
+    void list_corner_patches(const CellProgram& program, const VaryingMap& varying, const LookMeans& means,
+                             std::int32_t slice) {
+        corner_patches_.emplace(program, varying, means, slice, states_.values(), base_);
+        const AreaSums::Axis x = patch_axis(map_.width), y = patch_axis(map_.height);
+        patch_of_.reserve(static_cast<std::size_t>(x.count * y.count));
+        for (std::int64_t j = y.from; j < y.from + y.count; ++j)
+            for (std::int64_t i = x.from; i < x.from + x.count; ++i) {
+                patch_of_.push_back(static_cast<std::uint16_t>(corner_patches_->number(
+                    {state_at(i, j), state_at(i + 1, j), state_at(i, j + 1), state_at(i + 1, j + 1)})));
+                if (!is_listed()) return;
+            }
+        corner_patches_->make();
+        for (std::uint32_t patch = 0; patch < corner_patches_->count(); ++patch) {
+            largest_width_ = std::max(largest_width_, (*corner_patches_)[patch].width);
+            range_.add((*corner_patches_)[patch].range);
+        }
+    }
+    const CornerPatches::Patch& corner_patch(std::int64_t i, std::int64_t j) const noexcept {
+        const AreaSums::Axis x = patch_axis(map_.width), y = patch_axis(map_.height);
+        const auto stored = [](const AreaSums::Axis& axis, std::int64_t at) {
+            return axis.wraps ? (at % axis.count + axis.count) % axis.count
+                              : std::clamp<std::int64_t>(at - axis.from, 0, axis.count - 1);
+        };
+        return (*corner_patches_)[patch_of_[static_cast<std::size_t>(stored(y, j) * x.count + stored(x, i))]];
+    }
+
+    /// The mean over all cells of a patch, told from base_.
+    Colour patch_mean(std::int64_t i, std::int64_t j) const noexcept {
+        if (corners_) return corner_patch(i, j).mean;
+        const std::int64_t cells = std::int64_t{1} << map_.cells_log2;
+        const auto across = means_over(columns_, 0, cells, cells), down = means_over(rows_, 0, cells, cells);
+        Colour mean{};
+        for (std::size_t row = 0; row < functions_of(rows_); ++row)
+            for (std::size_t column = 0; column < functions_of(columns_); ++column) {
+                const Colour& entry = looks_[state_at(i + static_cast<std::int64_t>(column),
+                                                      j + static_cast<std::int64_t>(row))]
+                                          .mean;
+                for (std::size_t c = 0; c < 4; ++c) mean[c] += down[row] * across[column] * entry[c];
+            }
+        return mean;
+    }
+
+    /// Sums of patches; of large maps, of blocks of them. Blocks lie on the texture's lattice, so that texels
+    /// of a block or more are whole blocks; where the map repeats, it must do so on that lattice.
+    void make_sums() {
+        const AreaSums::Axis x = patch_axis(map_.width), y = patch_axis(map_.height);
+        const std::int64_t side = std::int64_t{1} << block_log2;
+        if (x.count * y.count > most_single_sums &&
+            (map_.edge != StoredMap::Edge::wrap || (x.count % side == 0 && y.count % side == 0)))
+            block_ = block_log2;
+        shift_x_ = (map_.x >> map_.cells_log2) & ((std::int64_t{1} << block_) - 1);
+        shift_y_ = (map_.y >> map_.cells_log2) & ((std::int64_t{1} << block_) - 1);
+        const auto blocks = [&](const AreaSums::Axis& axis, std::int64_t shift) -> AreaSums::Axis {
+            if (axis.wraps) return {0, axis.count >> block_, true};
+            const std::int64_t from = ((axis.from + shift) >> block_) - 1;
+            return {from, ((axis.from + axis.count + shift - 1) >> block_) + 2 - from, false};
+        };
+        sums_.emplace(blocks(x, shift_x_), blocks(y, shift_y_), [&](std::int64_t i, std::int64_t j) {
+            Colour sum{};
+            for (std::int64_t row = (j << block_) - shift_y_; row < ((j + 1) << block_) - shift_y_; ++row)
+                for (std::int64_t column = (i << block_) - shift_x_; column < ((i + 1) << block_) - shift_x_;
+                     ++column) {
+                    const Colour mean = patch_mean(column, row);
+                    for (std::size_t c = 0; c < 4; ++c) sum[c] += mean[c];
+                }
+            return sum;
+        });
+    }
+
+    /// `width`: what a cell's looks span by chance; `range`: what they span at all.
+    ChanceBound bound_of(int up, double width, double range) const noexcept {
+        const double cells =
+            static_cast<double>(std::int64_t{1} << up) * static_cast<double>(std::int64_t{1} << up);
+        if (width == 0) return {};
+        if (independent_) {
+            const double codes = chance_codes(width, cells, corners_ ? 4 : 1);
+            if (codes < 255 * range) return {codes, stated_confidence};
+        } else if (nested_ && !corners_) {
+            const double codes = nested_codes(up, range);
+            if (codes < 255 * range) return {codes, 1};
+        }
+        return {255 * range, 1};  // both lie among the colours that cells may show
+    }
+
+    /// Nested thresholds dither: of each aligned block of 4^j cells, the number below a threshold is right
+    /// within one; the bilinear weights that they are held against change inside a block by 2·(2^j − 1)
+    /// cells' worth at most. The three weights between four entries each shift the colour by the looks' range
+    /// at most; one entry shows one look.
+    double nested_codes(int up, double range) const noexcept {
+        for (const LookMixture& looks : looks_)
+            if (looks.range.width() > 0) return 255 * range;  // draws on top of it: not looked into
+        const auto side = static_cast<double>(std::int64_t{1} << map_.cells_log2);
+        double least = 1;
+        for (int j = 0; j <= std::min(up, map_.cells_log2); ++j) {
+            const auto block = static_cast<double>(std::int64_t{1} << j);
+            least = std::min(least, 1 / (block * block) + 2 * (block - 1) / side);
+        }
+        return 255 * 3 * range * least;
+    }
+
+    /// Texels no larger than a patch.
+    Result<Evaluation> inside_patches(const TexelRegion& region, int up, const Budget& budget,
+                                      LinearImage& out) const {
+        const std::int64_t n = std::int64_t{1} << up, cells = std::int64_t{1} << map_.cells_log2;
+        const int texels_log2 = map_.cells_log2 - up;  // of a patch's side
+        const std::int64_t left = region.x - (map_.x >> up), top = region.y - (map_.y >> up);
+        const std::int64_t mask = (std::int64_t{1} << texels_log2) - 1;
+        const std::size_t functions = functions_of(columns_);
+        std::vector<std::array<double, most_functions>> across(static_cast<std::size_t>(region.width));
+        for (std::int32_t x = 0; x < region.width; ++x)
+            across[static_cast<std::size_t>(x)] = means_over(columns_, ((left + x) & mask) * n, n, cells);
+        double width = 0;
+        ColourRange range;
+        std::int64_t measured = 0;  // Patches of which row are in `range`
+        bool first = true;
+        for (std::int32_t y = 0; y < region.height; ++y) {
+            if (auto spent = check_budget(budget); !spent) return spent.error();
+            const std::int64_t j = (top + y) >> texels_log2;
+            const bool measure = first || j != measured;
+            first = false;
+            measured = j;
+            const auto down = means_over(rows_, ((top + y) & mask) * n, n, cells);
+            float* texel = out.row(y);
+            for (std::int32_t x = 0; x < region.width;) {
+                const std::int64_t i = (left + x) >> texels_log2;
+                const auto until = static_cast<std::int32_t>(
+                    std::min<std::int64_t>(region.width, ((i + 1) << texels_log2) - left));
+                std::array<Colour, most_functions> column;
+                if (corners_)
+                    collapse(corner_patch(i, j), down, column);
+                else
+                    collapse(i, j, down, column);
+                if (measure) measure_patch(i, j, width, range);
+                for (; x < until; ++x, texel += 4) {
+                    const auto& weights = across[static_cast<std::size_t>(x)];
+                    Colour sum{};
+                    for (std::size_t k = 0; k < functions; ++k)
+                        for (std::size_t c = 0; c < 4; ++c) sum[c] += weights[k] * column[k][c];
+                    for (std::size_t c = 0; c < 4; ++c) texel[c] = static_cast<float>(base_[c] + sum[c]);
+                }
+            }
+        }
+        const ChanceBound bound = bound_of(up, width, range.width());
+        return Evaluation{.method = "expectation",
+                          .bound_codes = bound.codes + rounding_codes,
+                          .confidence = bound.confidence,
+                          .work = std::uint64_t(region.width) * std::uint64_t(region.height)};
+    }
+
+    void collapse(const CornerPatches::Patch& patch, const std::array<double, most_functions>& down,
+                  std::array<Colour, most_functions>& column) const noexcept {
+        const std::size_t functions = functions_of(columns_);
+        column = {};
+        for (std::size_t row = 0; row < functions_of(rows_); ++row)
+            for (std::size_t k = 0; k < functions; ++k)
+                for (std::size_t c = 0; c < 4; ++c)
+                    column[k][c] += down[row] * patch.coefficients[row * functions + k][c];
+    }
+    void collapse(std::int64_t i, std::int64_t j, const std::array<double, most_functions>& down,
+                  std::array<Colour, most_functions>& column) const noexcept {
+        column = {};
+        for (std::size_t row = 0; row < functions_of(rows_); ++row)
+            for (std::size_t k = 0; k < functions_of(columns_); ++k) {
+                const Colour& entry =
+                    looks_[state_at(i + static_cast<std::int64_t>(k), j + static_cast<std::int64_t>(row))]
+                        .mean;
+                for (std::size_t c = 0; c < 4; ++c) column[k][c] += down[row] * entry[c];
+            }
+    }
+    void measure_patch(std::int64_t i, std::int64_t j, double& width, ColourRange& range) const noexcept {
+        ColourRange of_patch;
+        if (corners_) {
+            const CornerPatches::Patch& patch = corner_patch(i, j);
+            width = std::max(width, patch.width);
+            of_patch = patch.range;
+        } else {
+            for (std::size_t row = 0; row < functions_of(rows_); ++row)
+                for (std::size_t k = 0; k < functions_of(columns_); ++k)
+                    of_patch.add(
+                        looks_[state_at(i + static_cast<std::int64_t>(k), j + static_cast<std::int64_t>(row))]
+                            .range);
+            width = std::max(width, of_patch.width());
+        }
+        range.add(of_patch);
+    }
+
+    /// Texels of 2^log2 × 2^log2 patches, more than one.
+    Result<Evaluation> over_patches(const TexelRegion& region, int log2, int up, const Budget& budget,
+                                    LinearImage& out) const {
+        const std::int64_t left = -(map_.x >> map_.cells_log2), top = -(map_.y >> map_.cells_log2);
+        const double share =
+            1 / (static_cast<double>(std::int64_t{1} << log2) * static_cast<double>(std::int64_t{1} << log2));
+        std::vector<AreaSums::Stretch> columns;
+        const auto blocks_of = [&](std::int64_t texel, std::int64_t from, std::int64_t shift, auto stretch) {
+            const std::int64_t first = ((texel << log2) + from + shift) >> block_;
+            return stretch(first, first + (std::int64_t{1} << (log2 - block_)));
+        };
+        const bool whole_blocks = log2 >= block_;
+        if (whole_blocks)
+            for (std::int32_t x = 0; x < region.width; ++x)
+                columns.push_back(
+                    blocks_of(region.x + x, left, shift_x_,
+                              [&](std::int64_t from, std::int64_t to) { return sums_->columns(from, to); }));
+        for (std::int32_t y = 0; y < region.height; ++y) {
+            if (auto spent = check_budget(budget); !spent) return spent.error();
+            float* texel = out.row(y);
+            AreaSums::Stretch rows;
+            if (whole_blocks)
+                rows = blocks_of(region.y + y, top, shift_y_,
+                                 [&](std::int64_t from, std::int64_t to) { return sums_->rows(from, to); });
+            for (std::int32_t x = 0; x < region.width; ++x, texel += 4) {
+                Colour sum{};
+                if (whole_blocks) {
+                    sum = sums_->sum(columns[static_cast<std::size_t>(x)], rows);
+                } else {
+                    const std::int64_t i = ((region.x + x) << log2) + left,
+                                       j = ((region.y + y) << log2) + top;
+                    for (std::int64_t row = j; row < j + (std::int64_t{1} << log2); ++row)
+                        for (std::int64_t column = i; column < i + (std::int64_t{1} << log2); ++column) {
+                            const Colour mean = patch_mean(column, row);
+                            for (std::size_t c = 0; c < 4; ++c) sum[c] += mean[c];
+                        }
+                }
+                for (std::size_t c = 0; c < 4; ++c) texel[c] = static_cast<float>(base_[c] + sum[c] * share);
+            }
+        }
+        const ChanceBound of_level = bound(up);
+        return Evaluation{.method = "expectation",
+                          .bound_codes = of_level.codes + rounding_codes,
+                          .confidence = of_level.confidence,
+                          .work = std::uint64_t(region.width) * std::uint64_t(region.height)};
+    }
+
+    const StoredMap& map_;
+    MapStates states_;
+    PatchBasis columns_, rows_;
+    bool corners_;
+    bool drawn_;  ///< States are drawn: the map is dithered.
+    bool nested_;
+    bool independent_;
+    Colour base_{};
+    std::vector<LookMixture> looks_;  ///< By state, without corners.
+    std::optional<CornerPatches> corner_patches_;
+    std::vector<std::uint16_t> patch_of_;  ///< With corners: of each stored patch.
+    double largest_width_ = 0;
+    ColourRange range_;
+    int block_ = 0;  ///< log2 of the side of what is summed, in patches.
+    std::int64_t shift_x_ = 0, shift_y_ = 0;
+    std::optional<AreaSums> sums_;
+};
+
+}  // namespace
+
+std::unique_ptr<const AreaExpectation> make_map_expectation(const CellProgram& program,
+                                                            const LookMeans& means, std::int32_t slice) {
+    const auto varying = program.varying();
+    if (!varying) return nullptr;
+    auto states = MapStates::of(*varying->map);
+    if (!states) return nullptr;
+    auto made = std::make_unique<const MapExpectation>(program, *varying, std::move(*states), means, slice);
+    if (!made->is_listed()) return nullptr;
+    return made;
+}
+
+}  // namespace tessera
