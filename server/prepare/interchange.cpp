@@ -13,7 +13,7 @@ namespace {
 using Standing = ExchangeAsset::Standing;
 
 constexpr std::int32_t least_tile_side = 16, most_tile_side = 4096;
-constexpr std::int32_t least_patches = 16, most_patches = 2000;
+constexpr std::int32_t least_patches = 16, most_patches = 4000;
 
 Error invalid(std::string what) { return {ErrorCode::invalid_input, std::move(what)}; }
 
@@ -25,7 +25,7 @@ Result<void> check_range(const char* option, std::int32_t value, std::int32_t le
 
 Result<PrepareOptions> checked(const Rgb8Image& photo, PrepareOptions options, Progress& progress) {
     if (options.tile_side == 0) options.tile_side = 256;
-    if (options.patches == 0) options.patches = 1600;
+    if (options.patches == 0) options.patches = 3200;
     if (options.blend_texels == -1) options.blend_texels = 4;
     if (options.threads == 0) options.threads = std::max(1u, std::thread::hardware_concurrency());
     if (auto good = check_range("--tile", options.tile_side, least_tile_side, most_tile_side); !good)

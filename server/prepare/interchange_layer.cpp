@@ -11,8 +11,13 @@ namespace {
 
 constexpr std::uint64_t layer_stream = stream("interchange layer");
 
-/// How many contents are cut for each patch, to choose the cheapest.
+/// How many contents are cut for each region.
 constexpr std::size_t cuts = 10, tried_again = 3;
+
+/// How many of them stay, of a core's size: where little else fits, one region's patches are what there is to
+/// choose from.
+constexpr std::int32_t large_core = 48;
+constexpr std::size_t most_of_large = 4, most_of_small = 2;
 
 /// What a border may show, against the photograph's own steps from texel to texel, and how often it is tried
 /// to get there.
@@ -160,23 +165,30 @@ SquareMarks band_of(const SquareMarks& region, std::int32_t side) {
     return band;
 }
 
-/// The displacements that a patch may have, so that those of one place differ: some at random. Large patches
-/// have many shapes, and need the choice more.
-PlaceSearch::Band band_for(std::int32_t core, const LayerSources& sources, std::uint64_t bits) {
-    const std::int32_t bands = 2 * core >= sources.largest ? 4 : 16;
+/// The displacements that a patch may have, so that those of one place differ: some at random.
+PlaceSearch::Band band_for(const LayerSources& sources, std::uint64_t bits) {
+    constexpr std::int32_t bands = 4;
     const std::int32_t rows = std::max(1, sources.tile.side / bands);
-    return {static_cast<std::int32_t>((bits >> 32) % static_cast<std::uint64_t>(bands)) * rows, rows};
+    return {static_cast<std::int32_t>((bits >> 32) % std::uint64_t{bands}) * rows, rows};
 }
 
-/// The cheapest of some patches of a region. Small ones fill their grains; the longer a border, the harder it
-/// is to hide, so the less it is pulled outwards; and less still where it shows more than the photograph's
-/// own texels do.
-InterchangePatch best_cut(const LayerSources& sources, const SquareMarks& region, PatchPlace place,
-                          const PlaceSearch::Band& band) {
+/// Whether a patch of the same region may be shown instead of the best one.
+bool as_good(const InterchangePatch& patch, const InterchangePatch& best, std::uint32_t most_gradient) {
+    return patch.gradient <= std::max(most_gradient, best.gradient * 27 / 25) &&
+           patch.cost * 2 <= best.cost * 3 && patch.texels * 3 >= best.texels * 2;
+}
+
+/// The cheapest patches of a region. Small ones fill their grains; the longer a border, the harder it is to
+/// hide, so the less it is pulled outwards; and less still where it shows more than the photograph's own
+/// texels do.
+std::vector<InterchangePatch> best_cuts(const LayerSources& sources, const SquareMarks& region,
+                                        PatchPlace place, const PlaceSearch::Band& band) {
     const auto unit = static_cast<std::uint32_t>(sources.tile.side * 3 / 32);
     place.pull = sources.gradient * 3 * unit / (static_cast<std::uint32_t>(place.core) + unit);
     auto offsets = sources.places.best(place.x, place.y, place.side, band_of(region, place.side), band, cuts);
-    InterchangePatch best;
+    const std::uint32_t most_gradient = sources.gradient * most_gradient_percent / 100;
+    const std::size_t most = place.core >= large_core ? most_of_large : most_of_small;
+    std::vector<InterchangePatch> best;
     for (int round = 0; round < rounds; ++round) {
         std::vector<InterchangePatch> found;
         for (const auto& at : offsets) {
@@ -189,8 +201,11 @@ InterchangePatch best_cut(const LayerSources& sources, const SquareMarks& region
         std::stable_sort(order.begin(), order.end(),
                          [&](std::size_t a, std::size_t b) { return found[a].cost < found[b].cost; });
         if (order.empty()) break;
-        best = found[order[0]];
-        if (best.gradient * 100 <= sources.gradient * most_gradient_percent) break;
+        best.clear();
+        for (const std::size_t i : order)
+            if (best.size() < most && as_good(found[i], found[order[0]], most_gradient))
+                best.push_back(found[i]);
+        if (best[0].gradient <= most_gradient) break;
         // Those that came close get another try
         std::vector<ExchangeAsset::Offset> closest;
         for (const std::size_t i : order)
@@ -220,7 +235,7 @@ std::vector<InterchangePatch> make_layer(const LayerSources& sources, std::int32
         place.y = gap.y - place.side / 2;
         place.pull = 2 * sources.gradient;
         const GrainSquare square{sources, gaps, place};
-        const PlaceSearch::Band band = band_for(place.core, sources, bits);
+        const PlaceSearch::Band band = band_for(sources, bits);
 
         // The grains that the best place suggests; then the best places for these grains
         const auto first =
@@ -231,11 +246,13 @@ std::vector<InterchangePatch> make_layer(const LayerSources& sources, std::int32
             suggested = suggested_shape(sources.photo, sources.tile, square.free, place);
         }
         const SquareMarks region = square.whole_grains(suggested);
-        InterchangePatch best = best_cut(sources, region, place, band);
+        std::vector<InterchangePatch> best = best_cuts(sources, region, place, band);
         gaps.take(region, place.x, place.y, place.side);
         gaps.take(gap.x, gap.y);
-        if (best.texels >= least_texels) layer.push_back(std::move(best));
+        for (InterchangePatch& patch : best)
+            if (patch.texels >= least_texels) layer.push_back(std::move(patch));
     }
+    if (layer.size() > most) layer.resize(most);
     std::stable_sort(layer.begin(), layer.end(), [](const InterchangePatch& a, const InterchangePatch& b) {
         return a.texels > b.texels;
     });

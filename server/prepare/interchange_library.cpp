@@ -1,11 +1,12 @@
 #include "server/prepare/interchange_library.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <bit>
 #include <cstdlib>
-#include <numeric>
 #include <tuple>
+#include <utility>
 
 #include "server/prepare/interchange_layer.h"
 #include "server/prepare/interchange_places.h"
@@ -74,22 +75,31 @@ class Coverage {
     std::vector<std::int32_t> counts_;
 };
 
-/// Leaves the wanted number, the best by their highest price (Kolář et al. 2016, section 4.1); but all of
-/// those that lie where there are few, since otherwise what is hard to match, such as the tile's own boldest
-/// features, would show everywhere.
+/// Leaves the wanted number, the best by their highest price (Kolář et al. 2016, section 4.1), each among
+/// those of about its size: longer borders have higher prices somewhere, and large patches show least of the
+/// tile. But all of those that lie where there are few, since otherwise what is hard to match, such as the
+/// tile's own boldest features, would show everywhere.
 void leave_out_worst(std::vector<InterchangePatch>& library, std::size_t wanted, std::int32_t tile_side) {
     if (library.size() <= wanted) return;
     Coverage coverage{tile_side};
     for (const InterchangePatch& patch : library) coverage.add(patch, 1);
-    std::vector<std::size_t> order(library.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::sort(order.begin(), order.end(), [&](std::size_t p, std::size_t q) {
-        return std::tuple{library[q].worst, p} < std::tuple{library[p].worst, q};
-    });
+    std::array<std::vector<std::size_t>, 32> by_size;
+    for (std::size_t p = 0; p < library.size(); ++p)
+        by_size[static_cast<std::size_t>(std::bit_width(static_cast<std::uint32_t>(library[p].texels)))]
+            .push_back(p);
+    std::vector<std::pair<std::uint64_t, std::size_t>> ranks;  // among its size, in 2^32nds; the worst first
+    for (auto& size : by_size) {
+        std::sort(size.begin(), size.end(), [&](std::size_t p, std::size_t q) {
+            return std::tuple{library[q].worst, p} < std::tuple{library[p].worst, q};
+        });
+        for (std::size_t i = 0; i < size.size(); ++i)
+            ranks.emplace_back((std::uint64_t{i} << 32) / size.size(), size[i]);
+    }
+    std::sort(ranks.begin(), ranks.end());
     std::vector<std::uint8_t> dropped(library.size());
     std::size_t left = library.size();
     for (const bool only_where_many : {true, false})
-        for (const std::size_t p : order) {
+        for (const auto& [rank, p] : ranks) {
             if (left == wanted) break;
             if (dropped[p] != 0 || (only_where_many && coverage.least(library[p]) < coverage.mean()))
                 continue;
@@ -109,29 +119,22 @@ std::vector<InterchangePatch> find_library(const PerceptualImage& photo, const Q
     const std::int32_t room = (std::min(photo.width, photo.height) - search.blend_texels) * 5 / 8;
     const std::int32_t grain =
         std::min(std::max(tile.side / grains_a_side, least_grain), std::max(4, room / 3));
-    const Segmentation grains =
-        make_patches(tile.colors, std::max(16, tile.side / grain * (tile.side / grain)), search.seed);
+    const std::int32_t grain_count = std::max(16, tile.side / grain * (tile.side / grain));
     const PlaceSearch places{photo, tile, search.blend_texels / 2};
     const std::int32_t margin = (grain / 2 + 3) / 4 * 4;
-    // A layer has about four patches for ten grains
-    const auto patches_a_layer =
-        std::max<std::int32_t>(1, static_cast<std::int32_t>(grains.patches.size()) * 2 / 5);
+    // A layer has about four regions for ten grains, and two patches for each
+    const std::int32_t patches_a_layer = std::max(1, grain_count * 4 / 5);
     const auto layers = static_cast<std::size_t>(std::max(2, search.patches / patches_a_layer));
     const std::int32_t largest = std::min(tile.side * 30 / 64, room - 2 * margin) / 8 * 8;
-    const LayerSources sources{photo,
-                               tile,
-                               grains,
-                               places,
-                               mean_gradient(photo),
-                               margin,
-                               std::max(8, largest),
-                               static_cast<std::int32_t>(layers),
-                               search.seed,
-                               progress.stop()};
+    const std::uint32_t gradient = mean_gradient(photo);
     const auto most = static_cast<std::size_t>(search.patches) * 2 / layers;
     std::vector<std::vector<InterchangePatch>> found(layers);
     std::atomic<std::size_t> done{0};
     for_each_index(layers, search.threads, [&](std::size_t i) {
+        const Segmentation grains = make_patches(tile.colors, grain_count, search.seed + i);
+        const LayerSources sources{
+            photo,       tile,           grains, places, gradient, margin, std::max(8, largest),
+            search.seed, progress.stop()};
         found[i] = make_layer(sources, static_cast<std::int32_t>(i), most);
         progress.advance("patches", static_cast<double>(++done) / static_cast<double>(layers));
     });

@@ -12,7 +12,7 @@
 namespace tessera {
 
 struct LibrarySearch {
-    std::int32_t patches = 800;  ///< Wanted.
+    std::int32_t patches = 3200;  ///< Wanted.
     std::int32_t blend_texels = 4;
     std::uint64_t seed = 1;
     std::size_t threads = 1;
@@ -20,9 +20,9 @@ struct LibrarySearch {
     std::vector<InterchangePatch> unwanted;  ///< Not to be found again.
 };
 
-/// Patches of many sizes all over the tile, its borders and corners included, layer by layer: in the list, a
-/// layer is a run of patches that do not overlap on the torus. The worst by their highest price are left out;
-/// no two that overlap show the photograph displaced alike. Without the given ones. Empty if stopped.
+/// Patches of many sizes all over the tile, its borders and corners included, layer by layer. The
+/// worst of each size by their highest price are left out; no two that overlap show the photograph displaced
+/// alike. Without the given ones. Empty if stopped.
 std::vector<InterchangePatch> find_library(const PerceptualImage& photo, const QuiltedTile& tile,
                                            const LibrarySearch& search, Progress& progress);
 

@@ -17,7 +17,7 @@ struct PrepareOptions {
     std::int32_t tile_side =
         0;  ///< A power of two, 16 to 4096. Too small repeats; too large leaves no choice.
     std::int32_t patches =
-        0;  ///< content_exchange: 16 to 256 of the tile. interchange: in the library, 16 to 2000.
+        0;  ///< content_exchange: 16 to 256 of the tile. interchange: in the library, 16 to 4000.
     std::int32_t contents = 0;       ///< content_exchange: of each patch beside its own, 1 to 255.
     std::int32_t colors = 0;         ///< wang: of corners, 2 to 4: so many to the fourth tiles.
     std::int32_t blend_texels = -1;  ///< Even, 0 to 64; −1: the method's default.

@@ -1,7 +1,6 @@
 #include <algorithm>
-#include <array>
 #include <atomic>
-#include <bit>
+#include <span>
 #include <thread>
 
 #include "server/texture/unit_choice.h"
@@ -74,7 +73,7 @@ struct Piece {
     std::int32_t words = 0;     ///< A row's.
     std::int32_t height = 0;
     std::vector<std::uint64_t> bits;
-    int size_class = 0;  ///< log2 of its texels.
+    std::int32_t texels = 0;
 };
 
 std::vector<Piece> pieces_of(const ExchangeAsset& asset, const Shapes& shapes) {
@@ -89,23 +88,22 @@ std::vector<Piece> pieces_of(const ExchangeAsset& asset, const Shapes& shapes) {
         piece.words = (mask.width + 63) / 64;
         piece.height = mask.height;
         piece.bits.resize(std::size_t(piece.words) * std::size_t(mask.height));
-        std::uint32_t texels = 0;
         for (std::int32_t y = 0; y < mask.height; ++y)
             for (std::int32_t x = 0; x < mask.width; ++x)
                 if (mask.at(x, y)) {
                     piece.bits[std::size_t(y * piece.words + x / 64)] |= std::uint64_t{1} << x % 64;
-                    ++texels;
+                    ++piece.texels;
                 }
-        piece.size_class = std::bit_width(texels);
         pieces.push_back(std::move(piece));
     }
     return pieces;
 }
 
-/// Whether the piece lies on free ground only.
+/// Whether the piece lies on free ground only. Begins with the middle, where it is widest.
 bool fits(const Piece& piece, std::int32_t x, std::int32_t y, Ground& ground) {
     const int shift = x % 64;
-    for (std::int32_t row = 0; row < piece.height; ++row) {
+    for (std::int32_t i = 0, row = piece.height / 2; i < piece.height; ++i, ++row) {
+        if (row == piece.height) row = 0;
         const std::uint64_t* from = piece.bits.data() + std::ptrdiff_t{row} * piece.words;
         const std::uint64_t* to = ground.row(y + row) + x / 64;
         for (std::int32_t w = 0; w < piece.words; ++w) {
@@ -128,6 +126,87 @@ void lay(const Piece& piece, std::int32_t x, std::int32_t y, Ground& ground) {
     }
 }
 
+/// What the places of the tile have shown so far, over all units that are packed: each one's sum of how far
+/// it was from the exemplar's mean lightness. Where nothing repeats, these sums stay small; where the tile
+/// shows too often, or one patch, or patches that are all darker than the mean, they grow, and patches that
+/// bring them back are worth more.
+class Evenness {
+  public:
+    Evenness(const ExchangeAsset& asset, const Shapes& shapes)
+        : asset_{asset},
+          shapes_{shapes},
+          tile_{lightness_of(asset.tile)},
+          exemplar_{lightness_of(asset.exemplar)},
+          sums_(tile_.size()) {
+        std::int64_t sum = 0, squares = 0;
+        for (const std::int32_t value : exemplar_) sum += value;
+        const auto mean = static_cast<std::int32_t>(sum / std::ssize(exemplar_));
+        for (std::int32_t& value : tile_) value -= mean;
+        for (std::int32_t& value : exemplar_) value -= mean;
+        for (const std::int32_t value : tile_) squares += std::int64_t{value} * value;
+        variance_ = std::max<std::int64_t>(1, squares / std::ssize(tile_));
+    }
+
+    /// One for each shape: its texels, and more if it brings the sums closer to 0, at least one.
+    std::vector<std::uint64_t> worths(const std::vector<Piece>& pieces) const {
+        // Such a share of all deviation that a patch takes away doubles its worth
+        constexpr std::int64_t doubled = 16;
+        std::vector<std::uint64_t> worths;
+        for (const Piece& piece : pieces) {
+            std::int64_t gain = 0;
+            for_each_texel(piece.shape, [&](std::size_t place, std::int32_t step) {
+                gain -= std::int64_t{sums_[place]} * step;
+            });
+            const std::int64_t texels =
+                piece.texels + doubled * gain / (variance_ * std::max<std::int64_t>(occurrences_, 1));
+            worths.push_back(
+                static_cast<std::uint64_t>(std::max<std::int64_t>(texels, 1 + piece.texels / 64)));
+        }
+        return worths;
+    }
+
+    /// A unit of so many tiles shows these.
+    void add(std::span<const Shown> list, std::int32_t tiles) {
+        occurrences_ += tiles;
+        for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i] += tiles * tile_[i];
+        for (const Shown& shown : list)
+            for_each_texel(shown.shape, [&](std::size_t place, std::int32_t step) { sums_[place] += step; });
+    }
+
+  private:
+    static std::vector<std::int32_t> lightness_of(const Rgb8Image& image) {
+        std::vector<std::int32_t> out;
+        out.reserve(image.bytes.size() / 3);
+        for (std::size_t i = 0; i + 2 < image.bytes.size(); i += 3)
+            out.push_back((77 * image.bytes[i] + 150 * image.bytes[i + 1] + 29 * image.bytes[i + 2]) >> 8);
+        return out;
+    }
+
+    /// Places on the tile, and how much lighter the shape's texels are there.
+    template <class Call>
+    void for_each_texel(std::size_t shape, Call&& call) const {
+        const ExchangeAsset::Patch& patch = asset_.patches[shapes_[shape].patch];
+        const auto& content = patch.contents[shapes_[shape].content];
+        const std::int32_t wrap = asset_.tile_side - 1;
+        for (std::int32_t y = 0; y < patch.height; ++y) {
+            const std::size_t row = std::size_t((patch.y + y) & wrap) * std::size_t(asset_.tile_side);
+            const std::int32_t* light =
+                exemplar_.data() + std::ptrdiff_t{content.at.y + y} * asset_.exemplar.width + content.at.x;
+            for (std::int32_t x = 0; x < patch.width; ++x) {
+                if (!content.shape.at(x, y)) continue;
+                const std::size_t place = row + std::size_t((patch.x + x) & wrap);
+                call(place, light[x] - tile_[place]);
+            }
+        }
+    }
+
+    const ExchangeAsset& asset_;
+    const Shapes& shapes_;
+    std::vector<std::int32_t> tile_, exemplar_;  ///< Lightness less the exemplar's mean, in codes.
+    std::vector<std::int32_t> sums_;
+    std::int64_t variance_ = 1, occurrences_ = 0;
+};
+
 }  // namespace
 
 /// Kolář lets every tile draw its patches, and keeps what one tile shows off what its neighbours may show by
@@ -136,9 +215,9 @@ void lay(const Piece& piece, std::int32_t x, std::int32_t y, Ground& ground) {
 /// its set; nothing crosses the unit's outline, and that lies on other places of the tile in every tile it
 /// crosses.
 ///
-/// A list is maximal: patches are tried in a random order, large ones first, and shown if they overlap none
-/// that is shown already. The paper draws few (η = 10 / |patches|) and thins them out (algorithm 2), which
-/// leaves more of the repeating tile in sight.
+/// A list is maximal: patches are tried in a random order, those first that are large and even out what the
+/// lists before it show, and shown if they overlap none that is shown already. The paper draws few
+/// (η = 10 / |patches|) and thins them out (algorithm 2), which leaves more of the repeating tile in sight.
 Variants packed_variants(const ExchangeAsset& asset, const Shapes& shapes, std::uint64_t seed,
                          std::uint32_t types) {
     constexpr std::int32_t unit_tiles = 4;
@@ -156,49 +235,63 @@ Variants packed_variants(const ExchangeAsset& asset, const Shapes& shapes, std::
         for (std::int32_t x = 0; x < ground_side; ++x)
             if (x >= 2 * side || y >= 2 * side || !outline.holds(x, y)) bare.take(x, y);
 
-    // Every place where a patch fits if it is alone, by size
+    // Every place where a patch fits if it is alone
     struct Place {
         std::uint32_t piece = 0;
         std::int8_t tile_x = 0, tile_y = 0;
     };
-    std::array<std::vector<Place>, 33> by_size;
+    std::vector<Place> places;
     for (std::size_t i = 0; i < pieces.size(); ++i)
         for (std::int8_t ty = 0; ty <= unit_tiles; ++ty)
             for (std::int8_t tx = 0; tx <= unit_tiles; ++tx)
                 if (fits(pieces[i], pieces[i].x + tx * tile, pieces[i].y + ty * tile, bare))
-                    by_size[std::size_t(pieces[i].size_class)].push_back(
-                        {static_cast<std::uint32_t>(i), tx, ty});
+                    places.push_back({static_cast<std::uint32_t>(i), tx, ty});
 
     std::vector<std::vector<Shown>> lists(types);
-    const auto pack = [&](std::uint32_t type) {
-        Ground ground = bare;
-        std::uint64_t draw = 0;
-        for (auto size = by_size.rbegin(); size != by_size.rend(); ++size) {
-            std::vector<Place> places = *size;
-            for (std::size_t i = 0; i < places.size(); ++i, ++draw) {
-                const std::uint32_t left = static_cast<std::uint32_t>(places.size() - i);
-                std::swap(
-                    places[i],
-                    places[i + uniform_below(hash(seed, order_stream, type, static_cast<std::int64_t>(draw)),
-                                             left)]);
-                const Piece& piece = pieces[places[i].piece];
-                const std::int32_t x = piece.x + places[i].tile_x * tile,
-                                   y = piece.y + places[i].tile_y * tile;
-                if (!fits(piece, x, y, ground)) continue;
-                lay(piece, x, y, ground);
-                lists[type].push_back({piece.shape, places[i].tile_x, places[i].tile_y});
+    const auto pack = [&](std::uint32_t type, const std::vector<std::uint64_t>& worths) {
+        struct Try {
+            std::uint64_t worth = 0;
+            std::uint32_t place = 0;
+            bool operator<(const Try& other) const noexcept {
+                return worth != other.worth ? worth > other.worth : place < other.place;
             }
+        };
+        std::vector<Try> order(places.size());
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            // Up to twice its worth
+            const std::uint64_t bits = hash(seed, order_stream, type, static_cast<std::int64_t>(i));
+            order[i] = {worths[places[i].piece] * (65536 + bits % 65536), static_cast<std::uint32_t>(i)};
+        }
+        std::sort(order.begin(), order.end());
+        Ground ground = bare;
+        for (const Try& next : order) {
+            const Place& place = places[next.place];
+            const Piece& piece = pieces[place.piece];
+            const std::int32_t x = piece.x + place.tile_x * tile, y = piece.y + place.tile_y * tile;
+            if (!fits(piece, x, y, ground)) continue;
+            lay(piece, x, y, ground);
+            lists[type].push_back({piece.shape, place.tile_x, place.tile_y});
         }
     };
-    std::atomic<std::uint32_t> next{0};
-    const auto run = [&] {
-        for (std::uint32_t type = next++; type < types; type = next++) pack(type);
-    };
-    {
-        std::vector<std::jthread> helpers;
-        for (unsigned i = 1; i < std::max(1u, std::thread::hardware_concurrency()); ++i)
-            helpers.emplace_back(run);
-        run();
+
+    // So many at once know the same of those before them, whatever the number of threads
+    constexpr std::uint32_t batch = 16;
+    Evenness evenness{asset, shapes};
+    for (std::uint32_t first = 0; first < types; first += batch) {
+        const std::uint32_t end = std::min(types, first + batch);
+        const std::vector<std::uint64_t> worths = evenness.worths(pieces);
+        std::atomic<std::uint32_t> next{first};
+        const auto run = [&] {
+            for (std::uint32_t type = next++; type < end; type = next++) pack(type, worths);
+        };
+        {
+            std::vector<std::jthread> helpers;
+            for (unsigned i = 1; i < std::max(1u, std::thread::hardware_concurrency()); ++i)
+                helpers.emplace_back(run);
+            run();
+        }
+        for (std::uint32_t type = first; type < end; ++type)
+            evenness.add(lists[type], unit_tiles * unit_tiles);
     }
 
     Variants variants;

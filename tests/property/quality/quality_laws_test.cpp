@@ -90,7 +90,7 @@ TEST_P(MadePhotograph, KeepsTheLimitsOfSeamsAndRepetitionOrItsRecordedMiss) {
 // worse.
 INSTANTIATE_TEST_SUITE_P(Quality, MadePhotograph,
                          testing::Values(Case{"ground", content_exchange, 1, 1.1}, Case{"ground", wang},
-                                         Case{"ground", interchange, 1, 1.9},
+                                         Case{"ground", interchange, 1, 1.3},
                                          Case{"discs", content_exchange, 1.9, 1.3},
                                          Case{"discs", wang, 1.05}),
                          name_of);

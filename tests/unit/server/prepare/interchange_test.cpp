@@ -219,8 +219,8 @@ TEST(Interchange, refuses_options_out_of_range_by_name_and_manages_the_least_pho
     };
     EXPECT_THAT(says(8, 100, 4, 100), HasSubstr("--tile is 8; from 16 to 4096"));
     EXPECT_THAT(says(100, 100, 4, 100), HasSubstr("a power of two"));
-    EXPECT_THAT(says(64, 15, 4, 100), HasSubstr("--patches is 15; from 16 to 2000"));
-    EXPECT_THAT(says(64, 2001, 4, 100), HasSubstr("--patches is 2001; from 16 to 2000"));
+    EXPECT_THAT(says(64, 15, 4, 100), HasSubstr("--patches is 15; from 16 to 4000"));
+    EXPECT_THAT(says(64, 4001, 4, 100), HasSubstr("--patches is 4001; from 16 to 4000"));
     EXPECT_THAT(says(64, 100, 66, 100), HasSubstr("--blend is 66; from 0 to 64"));
     EXPECT_THAT(says(64, 100, 3, 100), HasSubstr("an even number"));
     EXPECT_THAT(says(64, 100, 4, 19), HasSubstr("too small for a tile"));
