@@ -132,8 +132,9 @@ Result<void> bake(const Texture& texture, const TexelRegion& region, const Budge
         const bool mip = file.extension() == ".tx";
         std::int64_t done = 0;
         const double all = double(region.height) * (mip ? 2 : 1);
-        for (TexelRegion level = region;; level = {static_cast<std::uint8_t>(level.level + 1), level.x / 2,
-                                                   level.y / 2, level.width / 2, level.height / 2}) {
+        for (TexelRegion level = region;;
+             level = {static_cast<std::uint8_t>(level.level + 1), level.x / 2, level.y / 2, level.width / 2,
+                      level.height / 2, level.slice}) {
             // TIFF keeps MIP levels as further images; readers of textures know them by "textureformat"
             const auto mode = level == region ? OIIO::ImageOutput::Create : OIIO::ImageOutput::AppendSubimage;
             if (!out->open(partial.string(),

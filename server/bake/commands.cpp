@@ -26,6 +26,7 @@ struct Arguments {
     std::string channels{name_of(ChannelSet::albedo)};
     std::uint32_t level = 0, x = 0, y = 0;
     std::int32_t gutter = 0;
+    std::int64_t slice = 0;
     bool quiet = false;
 };
 
@@ -71,9 +72,11 @@ Result<void> run_page(const Arguments& arguments) {
     const PageKey page{static_cast<std::uint8_t>(arguments.level), arguments.x, arguments.y};
     const auto texture = texture_of(**scene, arguments.channels);
     if (!texture) return texture.error();
+    TexelRegion region = region_of(page, arguments.gutter);
+    region.slice = (*scene)->same_slice(arguments.slice);
     Rgba8Image texels;
-    const auto evaluation = (*texture)->evaluate(
-        region_of(page, arguments.gutter), Budget{.accuracy = *accuracy_named(arguments.accuracy)}, texels);
+    const auto evaluation =
+        (*texture)->evaluate(region, Budget{.accuracy = *accuracy_named(arguments.accuracy)}, texels);
     if (!evaluation) return evaluation.error();
     const auto bytes = encode_page(texels, *format, (*texture)->texel_kind());
     if (!bytes) return bytes.error();
@@ -111,10 +114,11 @@ Result<TexelRegion> parse_region(const std::string& text, std::uint32_t level) {
 }
 
 Result<void> run_bake(const Arguments& arguments) {
-    const auto region = parse_region(arguments.region, arguments.level);
+    auto region = parse_region(arguments.region, arguments.level);
     if (!region) return region.error();
     const auto scene = load_scene(arguments.scene);
     if (!scene) return scene.error();
+    region->slice = (*scene)->same_slice(arguments.slice);
     const auto texture = texture_of(**scene, arguments.channels);
     if (!texture) return texture.error();
     const Interrupt interrupt;
@@ -139,6 +143,11 @@ Result<void> run_check(const Arguments& arguments) {
     std::printf("%s: %s\n", s.id.c_str(), s.title.c_str());
     std::printf("extent: %lld texels a side, levels 0 to %d, fingerprint %s\n",
                 static_cast<long long>(s.extent.side_texels()), int{s.extent.n}, s.fingerprint.c_str());
+    if (s.slices > 1)
+        std::printf("slices: 0 to %d, which repeat\n", s.slices - 1);
+    else if (s.slices == 0)
+        std::printf("slices: without end\n");
+    if (!s.block_list.empty()) std::printf("blocks:\n%s", s.block_list.c_str());
     std::string plan = s.texture->description();
     if (!plan.ends_with('\n')) plan += '\n';
     std::printf("%s", plan.c_str());
@@ -171,6 +180,11 @@ void add_output(CLI::App& command, Arguments& arguments, const char* help) {
     command
         .add_option("--channels", arguments.channels,
                     "What to show of the surface: albedo, normal, roughness, height or moments")
+        ->capture_default_str();
+    command
+        .add_option("--slice", arguments.slice,
+                    "Slice of a texture with a third dimension, in texels of level 0")
+        ->check(CLI::Range(-max_slice, max_slice))
         ->capture_default_str();
     command.add_flag("-q,--quiet", arguments.quiet, "Say nothing but errors");
 }

@@ -52,6 +52,15 @@ std::optional<std::uint64_t> number(std::string_view text) {
     return value;
 }
 
+/// A slice: a decimal number, which may be negative; −0 is no number.
+std::optional<std::int64_t> slice_number(std::string_view text) {
+    const bool negative = text.starts_with('-');
+    const auto magnitude = number(negative ? text.substr(1) : text);
+    if (!magnitude || *magnitude > static_cast<std::uint64_t>(max_slice) || (negative && *magnitude == 0))
+        return std::nullopt;
+    return negative ? -static_cast<std::int64_t>(*magnitude) : static_cast<std::int64_t>(*magnitude);
+}
+
 std::optional<PageAddress::Pin> pin_of(std::string_view text) {
     const std::size_t dash = text.find('-');
     if (!text.starts_with('r') || dash == std::string_view::npos) return std::nullopt;
@@ -111,7 +120,7 @@ Parsed<PageAddress> page_address(const std::vector<std::string>& segments) {
 
 Parsed<PageQuery> page_query(std::string_view query) {
     PageQuery result;
-    bool has_gutter = false, has_accuracy = false, has_channels = false;
+    bool has_gutter = false, has_accuracy = false, has_channels = false, has_slice = false;
     while (!query.empty()) {
         const std::size_t end = std::min(query.find('&'), query.size());
         const std::string_view item = query.substr(0, end);
@@ -135,8 +144,13 @@ Parsed<PageQuery> page_query(std::string_view query) {
             if (!channels) return malformed("channels: albedo, normal, roughness, height or moments");
             if (std::exchange(has_channels, true)) return malformed("channels: is given twice");
             result.channels = *channels;
+        } else if (name == "slice") {
+            const auto slice = slice_number(value);
+            if (!slice) return malformed("slice: an integer from -2^40 to 2^40");
+            if (std::exchange(has_slice, true)) return malformed("slice: is given twice");
+            result.slice = *slice;
         } else {
-            return malformed("unknown parameter; pages take gutter, accuracy and channels");
+            return malformed("unknown parameter; pages take gutter, accuracy, channels and slice");
         }
     }
     return result;
@@ -151,6 +165,7 @@ std::string PageQuery::canonical() const {
     if (gutter != 0) add("gutter", std::to_string(gutter));
     if (accuracy != Accuracy::high) add("accuracy", name_of(accuracy));
     if (channels != ChannelSet::albedo) add("channels", name_of(channels));
+    if (slice != 0) add("slice", std::to_string(slice));
     return text;
 }
 

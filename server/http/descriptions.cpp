@@ -52,6 +52,7 @@ std::string describe_tiles(const Scene& scene, std::string_view origin) {
     info.set_texture(std::string{scene.texture->kind()});
     info.add_channels(std::string{name_of(ChannelSet::albedo)});
     for (const Channels& channels : scene.channels) info.add_channels(std::string{name_of(channels.set)});
+    info.set_slices(static_cast<std::uint32_t>(scene.slices));
     return write_json(tiles);
 }
 

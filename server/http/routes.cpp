@@ -68,7 +68,7 @@ Routes::Outcome Routes::page(const RequestHead& request, const Site& site,
                              const std::vector<std::string>& segments) {
     const auto address = page_address(segments);
     if (!address) return refusal_answer(address.error());
-    const auto query = page_query(request.query);
+    auto query = page_query(request.query);
     if (!query) return refusal_answer(query.error());
     const ScenePtr scene = site.catalog->find(address->scene);
     if (!scene) return refusal_answer(no_such_scene(address->scene));
@@ -77,6 +77,7 @@ Routes::Outcome Routes::page(const RequestHead& request, const Site& site,
                                "the scene has no channels \"" + std::string{name_of(query->channels)} +
                                    "\"; it has " + scene->channel_names(),
                                false});
+    query->slice = scene->same_slice(query->slice);
     const std::uint8_t n = scene->extent.n;
     const std::uint64_t side = address->z <= n ? std::uint64_t{1} << address->z : 0;
     if (address->x >= side || address->y >= side) {
@@ -84,13 +85,13 @@ Routes::Outcome Routes::page(const RequestHead& request, const Site& site,
             {404, "there is no such page; z goes to " + std::to_string(n) + ", x and y to 2^z − 1", false});
     }
 
-    PendingPage pending{
-        {scene,
-         {static_cast<std::uint8_t>(n - address->z), static_cast<std::uint32_t>(address->x),
-          static_cast<std::uint32_t>(address->y)},
-         {address->format, ContentCoding::identity, query->gutter, query->accuracy, query->channels},
-         urgency_of(request["Priority"])},
-        address->pin.has_value()};
+    PendingPage pending{{scene,
+                         {static_cast<std::uint8_t>(n - address->z), static_cast<std::uint32_t>(address->x),
+                          static_cast<std::uint32_t>(address->y)},
+                         {address->format, ContentCoding::identity, query->gutter, query->accuracy,
+                          query->channels, query->slice},
+                         urgency_of(request["Priority"])},
+                        address->pin.has_value()};
     PageRequest& wanted = pending.request;
     if (wanted.options.format == PageFormat::rgba && accepts(request[http::field::accept_encoding], "zstd"))
         wanted.options.coding = ContentCoding::zstd;

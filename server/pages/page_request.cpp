@@ -35,6 +35,8 @@ PageId page_id(const PageRequest& request) {
     add_integer(request.options.gutter);
     add_integer(request.options.accuracy);
     add_integer(request.options.channels);
+    // The first slice goes without, so that pages of flat scenes keep their ids
+    if (request.options.slice != 0) add_integer(request.options.slice);
     const XXH128_hash_t digest = XXH3_128bits(bytes.data(), size);
     return {digest.high64, digest.low64};
 }

@@ -18,6 +18,7 @@ struct PageOptions {
     std::uint8_t gutter = 0;                         ///< Texels, 0 to max_gutter_texels.
     Accuracy accuracy = Accuracy::high;
     ChannelSet channels = ChannelSet::albedo;
+    std::int64_t slice = 0;  ///< Scene::same_slice(): one number for all slices that look the same.
     bool operator==(const PageOptions&) const = default;
 };
 

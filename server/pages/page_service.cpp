@@ -213,7 +213,9 @@ Result<PagePtr> PageService::evaluate(PageJob& job) {
     Rgba8Image image;
     const Texture* const texture = request.scene->texture_of(request.options.channels);
     if (texture == nullptr) return Error{ErrorCode::malformed_request, "the scene has no such channels"};
-    const auto evaluation = texture->evaluate(region_of(request.key, request.options.gutter), budget, image);
+    TexelRegion region = region_of(request.key, request.options.gutter);
+    region.slice = request.options.slice;
+    const auto evaluation = texture->evaluate(region, budget, image);
     if (!evaluation) return evaluation.error();
     const Clock::time_point evaluated = Clock::now();
     metrics_.evaluate_seconds.Observe(to_seconds(evaluated - begun));

@@ -4,7 +4,8 @@
 
 #include "proto/scene.pb.h"
 
-#include "server/scene/asset_file.h"
+#include "server/scene/compile_exchange.h"
+#include "server/scene/compile_pattern.h"
 #include "server/scene/scene.h"
 #include "server/texture/constant_texture.h"
 #include "server/texture/exchange.h"
@@ -16,20 +17,6 @@ namespace fs = std::filesystem;
 
 Error invalid(const fs::path& file, const std::string& what) {
     return {ErrorCode::invalid_input, file.string() + ": " + what};
-}
-
-/// The path that a scene file names, kept inside the scene's folder, also through symbolic links.
-Result<fs::path> inside(const fs::path& folder, const fs::path& file, const std::string& field,
-                        const std::string& name) {
-    if (name.empty()) return invalid(file, field + ": is missing; name a folder beside scene.json");
-    std::error_code failure;
-    const fs::path root = fs::weakly_canonical(folder, failure);
-    const fs::path target = fs::weakly_canonical(folder / name, failure);
-    const auto [root_end, rest] = std::mismatch(root.begin(), root.end(), target.begin(), target.end());
-    if (failure || fs::path{name}.is_absolute() || root_end != root.end())
-        return invalid(file, std::string{field} + ": \"" + name +
-                                 "\" leaves the scene's folder; copy the asset into it");
-    return target;
 }
 
 Result<Rgba8> to_color(const fs::path& file, std::string_view field, const proto::Color& color) {
@@ -53,74 +40,16 @@ Result<std::shared_ptr<const Texture>> compile_checker(const fs::path& file, con
     return make_checker_texture(cell, *first, *second);
 }
 
-/// One of the three fields that hold an Exchange: its name is its method's.
-struct ExchangeField {
-    ExchangeMethod method;
-    const proto::Exchange& message;
-};
-
-Result<ExchangeOptions> to_options(const fs::path& file, const ExchangeField& field) {
-    const std::string name{method_name(field.method)};
-    ExchangeOptions options;
-    options.seed = field.message.seed();
-    options.blended = !field.message.unblended();
-    options.types = field.message.types();
-    if (options.types != 0 &&
-        (options.types < 64 || options.types > 16384 || (options.types & (options.types - 1)) != 0))
-        return invalid(
-            file, name + ".types: is " + std::to_string(options.types) + "; a power of two from 64 to 16384");
-    switch (field.message.choice()) {
-        case proto::Choice::typed:
-            options.choice = Choice::typed;
-            return options;
-        case proto::Choice::independent:
-            options.choice = Choice::independent;
-            if (field.method == ExchangeMethod::content_exchange) return options;
-            break;
-        case proto::Choice::kolar:
-            options.choice = Choice::kolar;
-            if (field.method == ExchangeMethod::interchange) return options;
-            break;
-        default:
-            break;
-    }
-    static constexpr const char* allowed[] = {"\"typed\" or \"independent\"", "\"typed\" or \"kolar\"",
-                                              "\"typed\" only"};
-    return invalid(file, name + ".choice: " + allowed[static_cast<std::size_t>(field.method)]);
-}
-
-/// Both sets have patches: else nothing is ever exchanged.
-bool has_both_sets(const ExchangeAsset& asset) {
-    const auto has = [&](ExchangeAsset::Set set) {
-        return std::ranges::count(asset.patches, set, &ExchangeAsset::Patch::set) > 0;
-    };
-    return has(ExchangeAsset::Set::a) && has(ExchangeAsset::Set::b);
-}
-
-Result<void> compile_exchange(const fs::path& folder, const fs::path& file, const ExchangeField& field,
-                              Scene& scene) {
-    const std::string name{method_name(field.method)}, asset_name = field.message.asset();
-    const auto asset_folder = inside(folder, file, name + ".asset", asset_name);
-    if (!asset_folder) return asset_folder.error();
-    const auto options = to_options(file, field);
-    if (!options) return options.error();
-    const auto asset = read_exchange_asset(*asset_folder);
-    if (!asset) return asset.error();
-    if (asset->method != field.method)
-        return invalid(file, name + ".asset: \"" + asset_name + "\" was prepared for " +
-                                 std::string{method_name(asset->method)} +
-                                 "; name the field so, or prepare it with --method " + name);
-    if (options->choice == Choice::kolar && !has_both_sets(*asset))
-        return invalid(file, name + ".choice: \"kolar\" needs patches of both sets, which \"" + asset_name +
-                                 "\" has not; prepare it again, or choose \"typed\"");
-    const std::size_t bytes = exchange_bytes(*asset, *options) * (1 + channel_textures(*asset));
-    if (bytes > max_exchange_bytes)
-        return invalid(
-            file, name + ".asset: \"" + asset_name + "\" would take about " + std::to_string(bytes >> 20) +
-                      " MiB, more than " + std::to_string(max_exchange_bytes >> 20) +
-                      "; prepare it with a smaller tile, or fewer patches, contents or aligned images");
-    const auto albedo = make_exchange_texture(*asset, *options);
-    scene.channels = make_channels(albedo, *asset);
+Result<void> compile_exchange(const fs::path& folder, const fs::path& file, ExchangeMethod method,
+                              const proto::Exchange& message, Scene& scene) {
+    const std::string field{method_name(method)};
+    const auto read = read_exchange(folder, field, method, message);
+    if (!read) return Error{read.error().code, file.string() + ": " + read.error().detail};
+    if (const std::size_t bytes = read->bytes * (1 + channel_textures(read->asset));
+        bytes > max_exchange_bytes)
+        return invalid(file, too_large_exchange(field, message.asset(), bytes).detail);
+    const auto albedo = make_exchange_texture(read->asset, read->options);
+    scene.channels = make_channels(albedo, read->asset);
     scene.texture = albedo;
     return {};
 }
@@ -144,18 +73,20 @@ Result<void> compile_scene(const fs::path& folder, const fs::path& file, const p
         case proto::Scene::kChecker:
             return set(compile_checker(file, message.checker()), scene);
         case proto::Scene::kContentExchange:
-            return compile_exchange(folder, file,
-                                    {ExchangeMethod::content_exchange, message.content_exchange()}, scene);
+            return compile_exchange(folder, file, ExchangeMethod::content_exchange,
+                                    message.content_exchange(), scene);
         case proto::Scene::kInterchange:
-            return compile_exchange(folder, file, {ExchangeMethod::interchange, message.interchange()},
-                                    scene);
+            return compile_exchange(folder, file, ExchangeMethod::interchange, message.interchange(), scene);
         case proto::Scene::kWang:
-            return compile_exchange(folder, file, {ExchangeMethod::wang, message.wang()}, scene);
+            return compile_exchange(folder, file, ExchangeMethod::wang, message.wang(), scene);
+        case proto::Scene::kPattern:
+            return compile_pattern(folder, file, message.pattern(), scene);
         case proto::Scene::TEXTURE_NOT_SET:
             break;
     }
-    return invalid(file,
-                   "has no texture; give it one of constant, checker, content_exchange, interchange, wang");
+    return invalid(
+        file,
+        "has no texture; give it one of constant, checker, content_exchange, interchange, wang, pattern");
 }
 
 }  // namespace tessera

@@ -15,7 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t max_scene_file_bytes = 1 << 20;
+/// Maps of patterns may be written into it. Larger ones belong into images.
+constexpr std::uintmax_t max_scene_file_bytes = 8 << 20;
 
 Error invalid(const fs::path& file, const std::string& what) {
     return {ErrorCode::invalid_input, file.string() + ": " + what};
@@ -34,7 +35,7 @@ Result<std::string> read_text(const fs::path& file) {
     const auto bytes = fs::file_size(file, failure);
     if (failure) return Error{ErrorCode::io_failure, file.string() + ": " + failure.message()};
     if (bytes > max_scene_file_bytes)
-        return invalid(file, "is larger than 1 MiB; a scene file only names its assets");
+        return invalid(file, "is larger than 8 MiB; keep large maps as images beside it");
     std::ifstream in{file, std::ios::binary};
     std::ostringstream text;
     text << in.rdbuf();

@@ -25,6 +25,14 @@ struct Scene {
     std::string fingerprint;  ///< 16 hex digits over the scene file, its assets and the evaluator's version.
     std::shared_ptr<const Texture> texture;  ///< The colour: the channel set "albedo".
     std::vector<Channels> channels;          ///< The other sets it has, in the order of ChannelSet.
+    /// Slices after which the texture is the same again: 1 without a third dimension, 0 if it never is.
+    std::int32_t slices = 1;
+    std::string block_list;  ///< Of a pattern, for `tessera check`: a line for each block of the scene file.
+
+    /// The least slice, from 0 on, that looks like this one; the slice itself where none repeats.
+    std::int64_t same_slice(std::int64_t slice) const noexcept {
+        return slices == 0 ? slice : (slice % slices + slices) % slices;
+    }
 
     /// Null if the scene has no such set.
     const Texture* texture_of(ChannelSet set) const noexcept {

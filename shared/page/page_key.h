@@ -11,6 +11,8 @@ inline constexpr std::int32_t max_gutter_texels =
     16;                                        ///< The widest border that a request may ask around a page.
 inline constexpr std::uint8_t max_level = 30;  ///< Extents reach 256·2^30 = 2^38 texels a side.
 
+inline constexpr std::int64_t max_slice = std::int64_t{1} << 40;  ///< Slices lie within ±max_slice.
+
 /// Where a page is in the virtual texture: a MIP level, and a cell of that level's grid of pages.
 /// MIP level 0 is the finest. `x` counts pages rightwards and `y` downwards from the top-left corner.
 /// A page above level 0 covers exactly four pages of the level below it.

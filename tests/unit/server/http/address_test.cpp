@@ -50,12 +50,35 @@ TEST(PageQuery, HasOneCanonicalForm) {
     EXPECT_EQ(page_query("channels=albedo").value().canonical(), "");
     EXPECT_EQ(page_query("channels=normal&accuracy=exact&gutter=4").value().canonical(),
               "?gutter=4&accuracy=exact&channels=normal");
+    EXPECT_EQ(page_query("slice=0").value().canonical(), "");
+    EXPECT_EQ(page_query("slice=-12&channels=normal").value().canonical(), "?channels=normal&slice=-12");
+    EXPECT_EQ(page_query("slice=1099511627776").value().slice, max_slice);
 }
 
 TEST(PageQuery, RefusesWhatItDoesNotKnow) {
-    for (const char* query : {"gutter=17", "gutter=04", "gutter", "gutter=1&gutter=1", "Gutter=1",
-                              "accuracy=", "&", "step=3", "gutter=1&&accuracy=fast", "gutter=%34",
-                              "channels=", "channels=Normal", "channels=normal&channels=normal"})
+    for (const char* query : {"gutter=17",
+                              "gutter=04",
+                              "gutter",
+                              "gutter=1&gutter=1",
+                              "Gutter=1",
+                              "accuracy=",
+                              "&",
+                              "step=3",
+                              "gutter=1&&accuracy=fast",
+                              "gutter=%34",
+                              "channels=",
+                              "channels=Normal",
+                              "channels=normal&channels=normal",
+                              "slice=",
+                              "slice=-0",
+                              "slice=+1",
+                              "slice=01",
+                              "slice=1.5",
+                              "slice=--1",
+                              "slice=1099511627777",
+                              "slice=-1099511627777",
+                              "slice=99999999999999999999",
+                              "slice=1&slice=1"})
         EXPECT_EQ(page_query(query).error().status, 400u) << query;
 }
 

@@ -28,6 +28,11 @@ TEST(PageId, DiffersInEverythingThatBytesDependOnAndInNothingElse) {
     for (const ChannelSet channels : channel_sets)
         if (channels != ChannelSet::albedo)
             add({scene, {}, {PageFormat::png, ContentCoding::identity, 0, Accuracy::high, channels}, {}});
+    for (const std::int64_t slice : {std::int64_t{1}, std::int64_t{-1}, max_slice})
+        add({scene,
+             {},
+             {PageFormat::png, ContentCoding::identity, 0, Accuracy::high, ChannelSet::albedo, slice},
+             {}});
     EXPECT_EQ(tags.size(), count);
     const PageRequest plain{scene, {}, {}, {}}, urgent{scene, {}, {}, {0}},
         renamed{test::make_scene("b", nullptr), {}, {}, {}};

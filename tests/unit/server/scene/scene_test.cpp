@@ -263,10 +263,10 @@ TEST_F(SceneFolders, AnAssetThatIsNotThereIsNamed) {
 }
 
 TEST_F(SceneFolders, AHugeSceneFileIsRefusedUnread) {
-    const fs::path folder = scene("huge", std::string(3 << 20, ' '));
+    const fs::path folder = scene("huge", std::string((8 << 20) + 1, ' '));
     const auto loaded = load_scene(folder);
     ASSERT_FALSE(loaded.has_value());
-    EXPECT_THAT(loaded.error().detail, HasSubstr("larger than 1 MiB"));
+    EXPECT_THAT(loaded.error().detail, HasSubstr("larger than 8 MiB"));
 }
 
 }  // namespace
