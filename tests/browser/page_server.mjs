@@ -10,10 +10,10 @@ import {flat_page} from './png.mjs';
 const types = {'.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml'};
 
 /**
- * @param {{web: string, n?: number, port?: number, channels?: string[], answer_page?: (page: {z: number, x: number, y: number}, response: import('node:http').ServerResponse, url: URL) => boolean | Promise<boolean>}} options
+ * @param {{web: string, n?: number, port?: number, channels?: string[], slices?: number, answer_page?: (page: {z: number, x: number, y: number}, response: import('node:http').ServerResponse, url: URL) => boolean | Promise<boolean>}} options
  *   `answer_page` returns true when it has answered.
  */
-export async function start_page_server({web, n = 4, port = 0, channels = undefined, answer_page = () => false}) {
+export async function start_page_server({web, n = 4, port = 0, channels = undefined, slices = undefined, answer_page = () => false}) {
   const requests = [];
   const server = createServer(async (request, response) => {
     const url = new URL(request.url ?? '/', 'http://127.0.0.1');
@@ -25,7 +25,7 @@ export async function start_page_server({web, n = 4, port = 0, channels = undefi
     if (url.pathname === '/scenes/tints') {
       return json({tilejson: '3.0.0', name: 'Tints', maxzoom: n, tessera: {
         id: 'tints', extent_log2_pages: n, formats: ['png'], texture: 'constant', page_url: '/scenes/tints/r0-abc/{z}/{x}/{y}',
-        channels,
+        channels, slices,
       }});
     }
     if (page) {
@@ -34,7 +34,8 @@ export async function start_page_server({web, n = 4, port = 0, channels = undefi
       response.setHeader('content-type', 'image/png').setHeader('cache-control', 'no-store');
       response.setHeader('tessera-method', 'constant').setHeader('tessera-bound', '0');
       const set = url.searchParams.get('channels');
-      return response.end(flat_page(set ? set_colours[set] : tint(n - z, x, y)));
+      const slice = url.searchParams.get('slice');
+      return response.end(flat_page(set ? set_colours[set] : slice ? slice_colour(Number(slice)) : tint(n - z, x, y)));
     }
     const file = path.join(web, url.pathname === '/' ? 'index.html' : path.basename(url.pathname));
     const bytes = await readFile(file).catch(() => null);
@@ -53,6 +54,9 @@ export async function start_page_server({web, n = 4, port = 0, channels = undefi
 
 /** The colour of every page of a channel set that is no colour. @type {Record<string, number[]>} */
 export const set_colours = {normal: [128, 128, 255], roughness: [210, 210, 210], height: [90, 90, 90]};
+
+/** The colour of every page of a slice but the first. @param {number} slice */
+export const slice_colour = (slice) => [220, 40 + ((slice & 7) * 20), slice < 0 ? 200 : 60];
 
 /** The colour of a page of albedo: another one for each. */
 export const tint = (level, x, y) => [40 + ((x * 53) % 160), 40 + ((y * 97) % 160), 40 + ((level * 31) % 160)];

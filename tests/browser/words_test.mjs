@@ -5,6 +5,7 @@ import {test} from 'node:test';
 import {format_address, parse_address} from '../../client/web/src/address.js';
 import {format_bytes, round_number_below, with_separators} from '../../client/web/src/numbers.js';
 import {server_timing} from '../../client/web/src/page_fetch.js';
+import {slice_chosen, slice_within} from '../../client/web/src/slices.js';
 import {Texture} from '../../client/web/src/texture.js';
 import {parse_texel} from '../../client/web/src/texel_text.js';
 
@@ -55,6 +56,8 @@ test('a page is asked for where TileJSON says', () => {
   assert.equal(normals, '/scenes/s/r0-12ab/17/131071/0.png?accuracy=exact&channels=normal');
   assert.equal(texture.page_url(page, {format: 'png', accuracy: 'high', channels: 'height'}), '/scenes/s/r0-12ab/17/131071/0.png?channels=height');
   assert.equal(texture.page_url(page, {format: 'png', accuracy: 'high', channels: 'albedo'}), '/scenes/s/r0-12ab/17/131071/0.png');
+  const slice = texture.page_url(page, {format: 'png', accuracy: 'fast', channels: 'height', slice: -7});
+  assert.equal(slice, '/scenes/s/r0-12ab/17/131071/0.png?accuracy=fast&channels=height&slice=-7');
   const plain = new Texture({tiles: ['http://127.0.0.1:1/scenes/s/{z}/{x}/{y}.png'], maxzoom: 2, tessera: {id: 's'}});
   assert.equal(plain.page_url({level: 2, x: 0, y: 0}, {format: 'jpg', accuracy: 'high'}), '/scenes/s/0/0/0.jpg');
 });
@@ -64,4 +67,13 @@ test('what the server says of its time is understood', () => {
   assert.deepEqual(server_timing(made), {server_cached: false, server_milliseconds: 2});
   assert.deepEqual(server_timing('cache;desc=hit'), {server_cached: true, server_milliseconds: undefined});
   assert.deepEqual(server_timing(''), {server_cached: false, server_milliseconds: undefined});
+});
+
+test('slices repeat, go on without end, or there is one', () => {
+  assert.deepEqual([-1, 0, 15, 16, 33].map((slice) => slice_within(slice, 16)), [15, 0, 15, 0, 1]);
+  assert.deepEqual([-1, 0, 2 ** 41, -(2 ** 41)].map((slice) => slice_within(slice, 0)), [-1, 0, 2 ** 40, -(2 ** 40)]);
+  assert.deepEqual([-5, 0, 9, NaN].map((slice) => slice_within(slice, 1)), [0, 0, 0, 0]);
+  for (const text of [undefined, '', '1e3', '0x10', 'NaN', '1.5', '--1']) assert.equal(slice_chosen(text, 0), 0, text);
+  assert.equal(slice_chosen('-12', 0), -12);
+  assert.equal(slice_chosen('19', 16), 3);
 });

@@ -8,6 +8,7 @@ const shortcuts = [
   ['Page grid', ['G'], 'borders, keys and state of every page'],
   ['Crisp or smooth', ['S'], 'when a texel is larger than a pixel'],
   ['Next channels', ['M'], 'normals, roughness … if the scene has them; with Shift: back'],
+  ['Slice', [',', '.'], 'before and next, if the scene has a third dimension'],
   ['Full screen', ['F'], ''],
   ['Copy a link to this view', ['C'], ''],
   ['List of scenes', ['L'], ''],

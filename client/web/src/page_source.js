@@ -30,7 +30,7 @@ class PageGrid extends TileGrid {
 export class PageSource extends ImageTile {
   #texture;
   #ledger;
-  /** @type {{format: string, accuracy: string, channels: string, smooth: boolean}} */
+  /** @type {{format: string, accuracy: string, channels: string, slice: number, smooth: boolean}} */
   #options;
   /** @type {Map<string, {abort: AbortController, unwanted_since: number}>} By tile key. */
   #in_flight = new Map();
@@ -40,7 +40,7 @@ export class PageSource extends ImageTile {
   /**
    * @param {import('./texture.js').Texture} texture
    * @param {import('./page_ledger.js').PageLedger} ledger
-   * @param {{format: string, accuracy: string, channels: string, smooth: boolean}} options
+   * @param {{format: string, accuracy: string, channels: string, slice: number, smooth: boolean}} options
    * @param {() => void} on_stale The server no longer knows the texture in the revision asked for.
    */
   constructor(texture, ledger, options, on_stale) {
@@ -78,8 +78,8 @@ export class PageSource extends ImageTile {
   }
 
   /** From now on pages are asked for with these; those on screen stay until the new ones are there. */
-  set_request(/** @type {{format: string, accuracy: string, channels: string}} */ {format, accuracy, channels}) {
-    Object.assign(this.#options, {format, accuracy, channels});
+  set_request(/** @type {{format: string, accuracy: string, channels: string, slice: number}} */ {format, accuracy, channels, slice}) {
+    Object.assign(this.#options, {format, accuracy, channels, slice});
     this.#renew();
   }
 
@@ -114,8 +114,8 @@ export class PageSource extends ImageTile {
   }
 
   #key() {
-    const {format, accuracy, channels} = this.#options;
-    return [this.#texture.page_template, format, accuracy, channels].join(' ');
+    const {format, accuracy, channels, slice} = this.#options;
+    return [this.#texture.page_template, format, accuracy, channels, slice].join(' ');
   }
 
   #renew() {

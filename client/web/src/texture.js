@@ -18,6 +18,7 @@ const kind_names = {
   content_exchange: 'Content exchange',
   interchange: 'Interchangeable patches',
   wang: 'Corner-coloured tiles',
+  pattern: 'Pattern blocks',
 };
 
 /** @param {string} kind As the server names it. */
@@ -43,22 +44,28 @@ export class Texture {
     this.formats = info.formats ?? ['png'];
     /** @type {string[]} What pages can show of the surface. */
     this.channels = info.channels?.length ? info.channels : [usual_channels];
+    /** After how many slices of a third dimension the texture repeats: 1 if it is flat, 0 if it never does. */
+    this.slices = Number(info.slices ?? 1);
     /** Template of a page's path, with {z}, {x}, {y} and no extension; changes when the texture does. */
     this.page_template = info.page_url || path_of(tilejson.tiles?.[0] ?? `/scenes/${info.id}/{z}/{x}/{y}.png`);
   }
 
   /**
    * @param {PageKey} page
-   * @param {{format: string, accuracy: string, channels?: string}} options
+   * @param {{format: string, accuracy: string, channels?: string, slice?: number}} options
    * @returns {string} The page's path; the server's own defaults stay unsaid.
    */
-  page_url({level, x, y}, {format, accuracy, channels = usual_channels}) {
+  page_url({level, x, y}, {format, accuracy, channels = usual_channels, slice = 0}) {
     const path = this.page_template
       .replace('{z}', String(this.z_of(level)))
       .replace('{x}', String(x))
       .replace('{y}', String(y));
     // In the order in which the server writes them: another one would be redirected
-    const asked = [accuracy !== 'high' && `accuracy=${accuracy}`, channels !== usual_channels && `channels=${channels}`];
+    const asked = [
+      accuracy !== 'high' && `accuracy=${accuracy}`,
+      channels !== usual_channels && `channels=${channels}`,
+      slice !== 0 && `slice=${slice}`,
+    ];
     const query = asked.filter(Boolean).join('&');
     return `${path}.${format}${query && `?${query}`}`;
   }

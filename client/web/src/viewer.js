@@ -16,6 +16,7 @@ import {PageLedger} from './page_ledger.js';
 import {PageSource} from './page_source.js';
 import {ReadOut, ScaleBar} from './read_out.js';
 import {connection} from './server.js';
+import {slice_chosen, slice_within, SliceControl} from './slices.js';
 import {kind_name} from './texture.js';
 
 const calm = matchMedia('(prefers-reduced-motion: reduce)');
@@ -34,6 +35,7 @@ export class Viewer {
   #zooming_to = null;
   #frame = 0;
   #settle = 0;
+  #record = 0;
 
   /**
    * @param {import('./texture.js').Texture} texture
@@ -48,6 +50,7 @@ export class Viewer {
     this.page = page;
     this.options = chosen(address.options);
     this.channels = channels_chosen(address.options.channels, texture.channels);
+    this.slice = slice_chosen(address.options.slice, texture.slices);
     this.#source = new PageSource(texture, this.#ledger, this.#request(), page.stale);
     this.#grid = new PageGridLayer(texture, this.#ledger, (resolution) => this.#level_shown(resolution), () => this.#free_box().top);
     this.#grid.shown = address.options.grid === '1';
@@ -66,6 +69,7 @@ export class Viewer {
   close() {
     this.#closed.abort();
     clearTimeout(this.#settle);
+    clearTimeout(this.#record);
     cancelAnimationFrame(this.#frame);
     this.#map.setTarget(undefined);
     this.#map.dispose();
@@ -75,6 +79,7 @@ export class Viewer {
   show({view, options}) {
     for (const [name, value] of Object.entries(chosen(options))) this.#set_option(name, value);
     this.#set_channels(channels_chosen(options.channels, this.texture.channels));
+    this.#set_slice(slice_chosen(options.slice, this.texture.slices));
     this.#set_grid(options.grid === '1');
     const middle = this.texture.side_texels / 2;
     const {level, x, y} = view ?? {level: Math.min(1, this.texture.coarsest_level), x: middle, y: middle};
@@ -91,6 +96,8 @@ export class Viewer {
     this.#source.set_texture(texture);
     this.#set_channels(channels_chosen(this.channels, texture.channels));
     this.selector.offer(texture.channels, this.channels);
+    this.#set_slice(slice_within(this.slice, texture.slices));
+    this.slices.offer(texture.slices, this.slice);
   }
 
   get #view() {
@@ -99,7 +106,7 @@ export class Viewer {
 
   #request() {
     const {format, accuracy, texels} = this.options;
-    return {format, accuracy, channels: this.channels, smooth: texels === 'smooth'};
+    return {format, accuracy, channels: this.channels, slice: this.slice, smooth: texels === 'smooth'};
   }
 
   #level_shown(/** @type {number} */ resolution) {
@@ -162,6 +169,8 @@ export class Viewer {
     });
     this.selector = new ChannelSelector((set) => this.#choose_channels(set));
     this.selector.offer(texture.channels, this.channels);
+    this.slices = new SliceControl((slice) => this.#choose_slice(slice));
+    this.slices.offer(texture.slices, this.slice);
     this.grid_button = icon_button('Page grid (G)', 'grid', () => this.#toggle_grid(), {'aria-pressed': 'false'});
     const side = with_separators(texture.side_texels);
     this.element = element(
@@ -184,6 +193,7 @@ export class Viewer {
           ),
         ),
         this.selector.element,
+        this.slices.element,
         element(
           'div',
           {class: 'panel tools', role: 'toolbar', 'aria-label': 'Tools'},
@@ -243,6 +253,8 @@ export class Viewer {
         },
         t: () => this.go_to.focus(),
         '/': () => this.go_to.focus(),
+        ',': () => this.#step_slice(-1),
+        '.': () => this.#step_slice(1),
       },
       this.#closed.signal,
     );
@@ -278,6 +290,7 @@ export class Viewer {
     const [x, y] = this.#view.getCenter() ?? [0, 0];
     const options = Object.fromEntries(Object.entries(this.options).filter(([name, value]) => value !== choices[name].default));
     if (this.channels !== usual_channels) options.channels = this.channels;
+    if (this.slice !== 0) options.slice = String(this.slice);
     if (this.#grid.shown) options.grid = '1';
     return format_address({
       scene: this.texture.id,
@@ -317,6 +330,29 @@ export class Viewer {
     if (sets.length < 2) return this.page.say('This scene has its colour alone');
     this.#choose_channels(sets[(sets.indexOf(this.channels) + steps + sets.length) % sets.length]);
     this.page.say(`Channels: ${channel_name(this.channels).toLowerCase()}`);
+  }
+
+  /** @param {number} slice That the texture has. */
+  #set_slice(slice) {
+    if (this.slice === slice) return;
+    this.slice = slice;
+    this.slices.show(slice);
+    this.#source.set_request(this.#request());
+    this.#map.render();
+  }
+
+  /** @param {number} slice */
+  #choose_slice(slice) {
+    this.#set_slice(slice);
+    clearTimeout(this.#record);  // browsers ration changes of the address, and a slider makes many
+    this.#record = setTimeout(() => this.page.moved(this.#hash(), false), 120);
+  }
+
+  /** @param {number} slices */
+  #step_slice(slices) {
+    if (this.texture.slices === 1) return this.page.say('This scene is flat: it has one slice');
+    this.slices.step(slices);
+    this.page.say(`Slice ${with_separators(this.slice)}`);
   }
 
   #retry() {
