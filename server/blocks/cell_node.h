@@ -40,6 +40,7 @@ struct CellNode {
     bool corners = false;  ///< The first input is read at (0, 0), (1, 0), (0, 1), (1, 1).
     bool number = false;   ///< In steps of 2^-16.
     bool steps = false;    ///< Changes with the step.
+    bool shown = false;    ///< A texture's looks depend on it: known once all blocks are.
     std::int32_t least = 0, most = 0;
     std::size_t grid = no_block;  ///< The block of its grid; none for a constant.
     int reach = 0;                ///< How many cells further its inputs are read.

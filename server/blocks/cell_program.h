@@ -87,8 +87,8 @@ class CellProgram {
     virtual std::vector<LookShare> shares(std::span<const std::int32_t> states) const = 0;
 
     /// Where cells only draw from nested thresholds: the patterns by rising threshold, each as often as its
-    /// threshold is. In every aligned block of cells the number of those below a threshold is then right within
-    /// one, which bounds a mean with certainty. Empty: nothing is known.
+    /// threshold is. In every aligned block of cells the number of those below a threshold is then right
+    /// within one, which bounds a mean with certainty. Empty: nothing is known.
     virtual std::vector<std::int32_t> nested_patterns() const { return {}; }
 
     virtual std::size_t memory_bytes() const noexcept = 0;

@@ -75,13 +75,16 @@ CellSchedule::CellSchedule(const std::vector<CellNode>& nodes, std::span<const s
         const auto [node, which] = found[step];
         const Need& here = needs[node][which];
         const bool leaf = nodes[node].draw || nodes[node].map;
+        const bool given = leaf && rows == Rows::corners;
+        // Leaves that are read on several rows keep them from one run to the next
+        const bool kept = leaf && !given && needs[node].size() > 1;
         const std::size_t time = found.size() - step;
-        if (free_rows.empty()) free_rows.push_back(rows_++);
+        if (given || kept || free_rows.empty()) free_rows.push_back(rows_++);
         row_of[step] = free_rows.back();
         free_rows.pop_back();
-        // Given rows are all filled before the first step: they keep their places
-        if (!(leaf && rows == Rows::corners)) freed[last_use[step]].push_back(row_of[step]);
-        if (leaf && rows == Rows::corners) {
+        // Given rows and kept ones are filled before the first step: their places are theirs alone
+        if (!given && !kept) freed[last_use[step]].push_back(row_of[step]);
+        if (given) {
             leaves_.push_back({node, here.dx, here.dy, row_of[step]});
             continue;
         }
@@ -90,6 +93,8 @@ CellSchedule::CellSchedule(const std::vector<CellNode>& nodes, std::span<const s
         entry.dy = here.dy;
         entry.further = here.further;
         entry.row = row_of[step];
+        for (const Need& other : needs[node])
+            entry.kept |= kept && other.dy == here.dy + 1 && other.further >= here.further;
         for (const Use& use : uses[step])
             entry.inputs[static_cast<std::size_t>(entry.input_count++)] = {
                 row_of[needs[use.node][use.need].step], use.dx};
@@ -97,11 +102,26 @@ CellSchedule::CellSchedule(const std::vector<CellNode>& nodes, std::span<const s
         free_rows.insert(free_rows.end(), freed[time].begin(), freed[time].end());
     }
     for (const std::size_t root : roots) roots_.push_back(row_of[needs[root][0].step]);
+
+    // From above down, so that each row is read before it is written
+    for (int dy = 0; dy < max_reach && rows == Rows::stretches; ++dy)
+        for (std::size_t node = 0; node <= top; ++node) {
+            if (!nodes[node].draw && !nodes[node].map) continue;
+            for (const Need& to : needs[node])
+                for (const Need& from : needs[node])
+                    if (to.dy == dy && from.dy == dy + 1 && from.further >= to.further)
+                        copies_.push_back({row_of[from.step], row_of[to.step], to.further});
+        }
 }
 
-void CellSchedule::run(const Stretch& stretch, std::int32_t* space) const {
+void CellSchedule::run(const Stretch& stretch, std::int32_t* space, bool follows) const {
     std::array<const std::int32_t*, max_inputs> in{};
+    if (follows)
+        for (const Copy& copy : copies_)
+            std::copy_n(space + copy.from * row_stride, stretch.count + copy.further,
+                        space + copy.to * row_stride);
     for (const Step& step : steps_) {
+        if (follows && step.kept) continue;
         for (std::size_t i = 0; i < static_cast<std::size_t>(step.input_count); ++i)
             in[i] = space + step.inputs[i].row * row_stride + step.inputs[i].dx;
         Stretch moved = stretch;

@@ -30,8 +30,10 @@ class CellSchedule {
     static constexpr std::size_t row_stride = stretch_cells + 16;
     std::size_t space() const noexcept { return rows_ * row_stride; }  ///< Integers that run() needs.
 
-    /// `space` has room for space() integers. Where leaves are given, they are filled.
-    void run(const Stretch& stretch, std::int32_t* space) const;
+    /// `space` has room for space() integers. Where leaves are given, they are filled. `follows`: `space` is
+    /// as the last run left it, and that was of this schedule and of the same cells one row above, so that
+    /// what was read below that row is known.
+    void run(const Stretch& stretch, std::int32_t* space, bool follows = false) const;
     const std::int32_t* root(std::size_t i, const std::int32_t* space) const noexcept {
         return space + roots_[i] * row_stride;
     }
@@ -51,8 +53,14 @@ class CellSchedule {
         int dy = 0;
         int further = 0;  ///< Cells more than the stretch has.
         std::size_t row = 0;
+        bool kept = false;  ///< Where the run follows, its row is copied.
+    };
+    struct Copy {
+        std::size_t from, to;
+        int further;
     };
     std::vector<Step> steps_;
+    std::vector<Copy> copies_;        ///< Rows of leaves, from those that a run read below its cells.
     std::vector<std::size_t> roots_;  ///< Rows
     std::vector<Leaf> leaves_;
     std::size_t rows_ = 0;

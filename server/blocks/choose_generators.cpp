@@ -59,7 +59,14 @@ Result<void> choose_generators(Compilation& c) {
     for (const PendingReference& reference : c.references) {
         Looks texture{reference.block, {}, nullptr, no_block, false};
         for (const std::size_t node : nodes_under(c, reference)) {
+            c.nodes[node].shown = true;
             if (c.nodes[node].map) texture.varies = &c.nodes[node];
+            const bool nested = c.nodes[node].draw ? c.nodes[node].draw->generator == proto::Draw::nested
+                                                   : c.nodes[node].map && c.nodes[node].map->nested;
+            if (nested && at_corners[node])
+                return c.error(c.nodes[node].block, ".generator",
+                               "is nested, whose neighbours avoid each other, but transition tiles look at "
+                               "neighbours; make it independent");
             if (!c.nodes[node].draw) continue;
             texture.draws.push_back(node);
             if (at_corners[node]) texture.corners = node;
@@ -106,7 +113,7 @@ Result<void> choose_generators(Compilation& c) {
 
     std::size_t typed_grids = 0;
     for (CellNode& node : c.nodes) {
-        if (!node.draw) continue;
+        if (!node.draw || !node.shown) continue;
         CellDraw& draw = *node.draw;
         GridBlock& grid = c.grids.at(node.grid);
         if (draw.generator == proto::Draw::automatic) draw.generator = proto::Draw::typed;

@@ -78,8 +78,13 @@ void write_lines(Compilation& c) {
     for (std::size_t block = 0; block < c.graph.blocks.size(); ++block) {
         const GraphBlock& of = c.graph.blocks[block];
         PlanLine line{of.message->name(), of.kind, Rate::scene, c.notes[block], false};
+        const std::size_t node = c.blocks[block].node;
         if (of.reached) {
             line.rate = rate_of(c, block);
+            if (node != no_block && !c.nodes[node].constant() && !c.nodes[node].shown) {
+                line.dropped = true;
+                line.note = "dropped: what reads it is constant";
+            }
         } else {
             line.dropped = true;
             line.note = "dropped: does not reach the output";

@@ -69,7 +69,8 @@ class JitterOp final : public DitherOp {
         const std::uint32_t offset = static_cast<std::uint32_t>((x - map_->x) & (side - 1));
         const auto nodes =
             static_cast<std::int32_t>((offset + static_cast<std::uint32_t>(cells) - 1) >> log2) + 2;
-        std::int32_t top[stretch_cells + max_reach + 2], bottom[stretch_cells + max_reach + 2];
+        constexpr std::int32_t below = stretch_cells + max_reach + 2;
+        std::int32_t top[2 * below], *const bottom = top + below;
         read_entries(*map_, first.node_x, first.node_y, nodes, top);
         if (first.row != 0)
             read_entries(*map_, first.node_x, first.node_y + 1, nodes, bottom);
@@ -79,7 +80,7 @@ class JitterOp final : public DitherOp {
         BlockKernels::DitherRun run{
             key, static_cast<std::uint32_t>(x & ((1 << row_log2) - 1)), cells, log2, offset, down, {}};
         const bool across = sampling_ != Sampling::dithered_y;
-        if (log2 <= close_log2 && across) return kernels_.dither_close(run, top, bottom, out);
+        if (log2 <= close_log2 && across) return kernels_.dither_close(run, top, below, out);
 
         std::uint32_t column = offset;
         for (std::int32_t done = 0, node = 0; done < cells; ++node) {
@@ -110,7 +111,8 @@ class NestedDitherOp final : public DitherOp {
     using DitherOp::DitherOp;
 
     void run(const Stretch& stretch, const std::int32_t* const*, std::int32_t* out) const override {
-        const NestedThresholds thresholds{base_, stretch.z};
+        std::uint32_t thresholds[stretch_cells + max_reach];
+        NestedThresholds{base_, stretch.z}.row(stretch.x, stretch.y, stretch.count, thresholds);
         const int log2 = map_->cells_log2;
         const std::uint64_t side = std::uint64_t{1} << log2;
         for (std::int32_t i = 0; i < stretch.count; ++i) {
@@ -120,7 +122,7 @@ class NestedDitherOp final : public DitherOp {
             const int shift = 32 - 2 * log2;
             const std::uint64_t ends[3] = {(left * above) << shift, (side * above) << shift,
                                            (side * above + left * at.row) << shift};
-            const std::uint64_t threshold = thresholds.at(stretch.x + i, stretch.y);
+            const std::uint64_t threshold = thresholds[i];
             const int right = threshold >= ends[2] || (threshold >= ends[0] && threshold < ends[1]);
             const int down = threshold >= ends[1];
             out[i] = map_->entry(at.node_x + right, at.node_y + down);

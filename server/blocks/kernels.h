@@ -25,10 +25,16 @@ struct BlockKernels {
         std::int32_t nodes[4];  ///< Top-left, top-right, bottom-left, bottom-right.
     };
     void (*dither)(const DitherRun& run, std::int32_t* out);
-    /// The same where nodes are so close that runs would be short: `top` and `bottom` are the rows of nodes
-    /// from the one left of the first cell on.
-    void (*dither_close)(const DitherRun& run, const std::int32_t* top, const std::int32_t* bottom,
+    /// The same where nodes are so close that runs would be short. `nodes`: the row of nodes above, from the
+    /// one left of the first cell on, and `below` integers further the row below.
+    void (*dither_close)(const DitherRun& run, const std::int32_t* nodes, std::int32_t below,
                          std::int32_t* out);
+
+    /// Nested thresholds: one more digit for each of the cells x, x + 1, … `first` and `second` are the keys
+    /// of their nodes, `down` is 2 in the lower quadrants, `right_log2` the bit of x that tells right from
+    /// left.
+    void (*nest)(const std::uint32_t* first, const std::uint32_t* second, std::uint32_t x, int right_log2,
+                 std::uint32_t down, std::int32_t cells, std::uint32_t* digits);
 
     void (*look_up)(const std::int32_t* table, const std::int32_t* in, std::int32_t cells, std::int32_t* out);
     void (*look_up_types)(const std::int32_t* table, const std::uint16_t* types, std::int32_t cells,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <numeric>
 
 #include "server/blocks/kernels.h"
@@ -11,11 +12,36 @@ namespace tessera {
 
 namespace {
 
-/// Rows of integers, kept by each thread from one stretch to the next.
-std::int32_t* thread_space(std::size_t size) {
-    thread_local std::vector<std::int32_t> space;
-    if (space.size() < size) space.resize(size);
-    return space.data();
+/// Rows of integers, kept by each thread from one stretch to the next; and what they were for, so that a row
+/// of cells that follows on the last need not decide again what both read.
+class ThreadRows {
+  public:
+    static ThreadRows& of_this_thread() {
+        thread_local ThreadRows rows;
+        return rows;
+    }
+    /// Runs `schedule`, which is number `id` of all that ever were.
+    const std::int32_t* run(const CellSchedule& schedule, std::uint64_t id, const Stretch& stretch) {
+        if (space_.size() < schedule.space()) space_.resize(schedule.space());
+        const bool follows = id_ == id && last_.x == stretch.x && last_.y == stretch.y - 1 &&
+                             last_.z == stretch.z && last_.step == stretch.step &&
+                             last_.count == stretch.count;
+        schedule.run(stretch, space_.data(), follows);
+        id_ = id;
+        last_ = stretch;
+        return space_.data();
+    }
+
+  private:
+    std::vector<std::int32_t> space_;
+    std::uint64_t id_ = 0;
+    Stretch last_;
+};
+
+/// A number that no other schedule of this process has.
+std::uint64_t next_id() {
+    static std::atomic<std::uint64_t> last{0};
+    return ++last;
 }
 
 class LookProgram final : public CellProgram {
@@ -49,10 +75,10 @@ class LookProgram final : public CellProgram {
                 std::fill_n(out, row.count, pattern_of_type_.front());
             return;
         }
-        std::int32_t* space = thread_space(patterns_.space());
+        ThreadRows& rows = ThreadRows::of_this_thread();
         for (std::int32_t done = 0; done < row.count; done += stretch_cells) {
             const Stretch stretch = stretch_of(row, done);
-            patterns_.run(stretch, space);
+            const std::int32_t* space = rows.run(patterns_, patterns_id_, stretch);
             std::copy_n(patterns_.root(0, space), stretch.count, out + done);
         }
     }
@@ -63,10 +89,10 @@ class LookProgram final : public CellProgram {
                 out[i] = look_of_type_[basis_ == Basis::typed ? row.types[i] : 0];
             return;
         }
-        std::int32_t* space = thread_space(looks_.space());
+        ThreadRows& rows = ThreadRows::of_this_thread();
         for (std::int32_t done = 0; done < row.count; done += stretch_cells) {
             const Stretch stretch = stretch_of(row, done);
-            looks_.run(stretch, space);
+            const std::int32_t* space = rows.run(looks_, looks_id_, stretch);
             pack(space, stretch.count, out + done);
         }
     }
@@ -82,6 +108,7 @@ class LookProgram final : public CellProgram {
     std::vector<LookShare> shares(std::span<const std::int32_t> states) const override {
         return shares_.shares(states);
     }
+    std::vector<std::int32_t> nested_patterns() const override { return shares_.nested_patterns(); }
     std::size_t memory_bytes() const noexcept override {
         return looks_.memory_bytes() + pattern_of_type_.size() * sizeof(std::int32_t) +
                look_of_type_.size() * sizeof(Look);
@@ -149,6 +176,7 @@ class LookProgram final : public CellProgram {
     LookShares shares_;
     LookSteps steps_;
     CellSchedule patterns_, looks_;
+    std::uint64_t patterns_id_ = next_id(), looks_id_ = next_id();
     const BlockKernels& kernels_;
     Basis basis_ = Basis::other;
     bool needs_types_ = false, moves_ = false;

@@ -26,7 +26,7 @@ LookShares::LookShares(std::shared_ptr<const std::vector<CellNode>> nodes, std::
     const auto share = [](const Group& a, const Group& b) {
         for (const Variable& v : a.variables)
             for (const Variable& w : b.variables)
-                if (v.key == w.key && v.dx == w.dx && v.dy == w.dy) return true;
+                if (v.same(w.draw, w.dx, w.dy)) return true;
         return false;
     };
     for (int a = 0; a < 3; ++a)
@@ -69,7 +69,7 @@ LookShares::LookShares(std::shared_ptr<const std::vector<CellNode>> nodes, std::
         // A draw of the stream that dithers tells of the map's state
         for (const Group& group : groups_)
             for (const Variable& variable : group.variables)
-                other |= map_->map->key != 0 && variable.key == map_->map->key;
+                other |= map_->map->key != 0 && variable.draw.key == map_->map->key;
     } else {
         independent_ &= !draws_at_corners;
     }
@@ -96,6 +96,11 @@ LookShares::LookShares(std::shared_ptr<const std::vector<CellNode>> nodes, std::
         basis_ = Basis::typed;
 }
 
+bool LookShares::Variable::same(const CellDraw& other, int x, int y) const noexcept {
+    // All typed draws follow from the cell's type; one generator's draws tell nothing of another's
+    return draw.generator == other.generator && (typed() || draw.key == other.key) && dx == x && dy == y;
+}
+
 LookShares::Group LookShares::make_group(std::span<const int> parts) const {
     std::vector<std::size_t> roots;
     for (const int part : parts) roots.push_back(roots_[static_cast<std::size_t>(part)]);
@@ -110,20 +115,17 @@ LookShares::Group LookShares::make_group(std::span<const int> parts) const {
             continue;
         }
         const CellDraw& draw = *node.draw;
-        const bool is_typed = draw.generator == proto::Draw::typed;
-        // All typed draws follow from the cell's type; a generator's draws tell nothing of another's
-        const std::uint64_t key = is_typed ? 0 : draw.key ^ static_cast<std::uint64_t>(draw.generator) << 56;
-        auto found = std::find_if(group.variables.begin(), group.variables.end(), [&](const Variable& v) {
-            return v.key == key && v.dx == leaves[i].dx && v.dy == leaves[i].dy;
-        });
+        auto found = std::find_if(
+            group.variables.begin(), group.variables.end(),
+            [&](const Variable& variable) { return variable.same(draw, leaves[i].dx, leaves[i].dy); });
         if (found == group.variables.end()) {
-            group.variables.push_back({key, leaves[i].dx, leaves[i].dy, is_typed, draw.count, {}, {}, {}});
+            group.variables.push_back({draw, leaves[i].dx, leaves[i].dy, 0, {}, {}, {}});
             found = group.variables.end() - 1;
         }
         found->leaves.push_back(i);
     }
     for (Variable& variable : group.variables) {
-        if (variable.typed) {
+        if (variable.typed()) {
             // The op tells of each type; its table's length is the number of types
             variable.types = static_cast<std::uint32_t>(
                 (*nodes_)[leaves[variable.leaves.front()].node].op->memory_bytes() / sizeof(std::int32_t));
@@ -154,8 +156,9 @@ LookShares::Group LookShares::make_group(std::span<const int> parts) const {
     return group;
 }
 
-std::vector<LookShares::Outcome> LookShares::enumerate(const Group& group,
-                                                       std::span<const std::int32_t> states) const {
+template <class Visit>
+void LookShares::for_states(const Group& group, std::span<const std::int32_t> states,
+                            const Visit& visit) const {
     std::vector<std::int32_t> space(group.schedule.space());
     const auto leaves = group.schedule.leaves();
     const auto row_of = [&](std::size_t leaf) {
@@ -169,7 +172,7 @@ std::vector<LookShares::Outcome> LookShares::enumerate(const Group& group,
     // What typed draws give, by type
     std::map<std::size_t, std::vector<std::int32_t>> typed_draws;
     for (const Variable& variable : group.variables) {
-        if (!variable.typed) continue;
+        if (!variable.typed()) continue;
         for (const std::size_t leaf : variable.leaves) {
             std::vector<std::int32_t>& draws = typed_draws[leaf];
             draws.resize(variable.types);
@@ -184,7 +187,6 @@ std::vector<LookShares::Outcome> LookShares::enumerate(const Group& group,
         }
     }
 
-    std::map<std::array<std::int32_t, 3>, double> sums;
     std::vector<std::uint64_t> at(group.variables.size(), 0);
     std::vector<double> weights(stretch_cells);
     for (std::uint64_t done = 0; done < group.states;) {
@@ -197,7 +199,7 @@ std::vector<LookShares::Outcome> LookShares::enumerate(const Group& group,
                 weight *= variable.weights[at[v]];
                 for (const std::size_t leaf : variable.leaves)
                     row_of(leaf)[i] =
-                        variable.typed
+                        variable.typed()
                             ? typed_draws[leaf][at[v]]
                             : static_cast<std::int32_t>(std::uint64_t{variable.starts[at[v]].first} *
                                                         (*nodes_)[leaves[leaf].node].draw->count /
@@ -219,10 +221,17 @@ std::vector<LookShares::Outcome> LookShares::enumerate(const Group& group,
                                                           : which == 1 ? steps_.turn(value)
                                                                        : steps_.scale(value);
             }
-            sums[values] += weights[static_cast<std::size_t>(i)];
+            visit(values, weights[static_cast<std::size_t>(i)]);
         }
         done += static_cast<std::uint64_t>(count);
     }
+}
+
+std::vector<LookShares::Outcome> LookShares::enumerate(const Group& group,
+                                                       std::span<const std::int32_t> states) const {
+    std::map<std::array<std::int32_t, 3>, double> sums;
+    for_states(group, states,
+               [&](const std::array<std::int32_t, 3>& values, double weight) { sums[values] += weight; });
     double total = 0;
     for (const auto& [values, share] : sums) total += share;
     std::vector<Outcome> outcomes;
@@ -233,6 +242,24 @@ std::vector<LookShares::Outcome> LookShares::enumerate(const Group& group,
 std::optional<VaryingMap> LookShares::varying() const {
     if (basis_ != Basis::varying) return std::nullopt;
     return VaryingMap{map_->map->map.get(), map_->map->sampling, corners_, map_->map->nested};
+}
+
+std::vector<std::int32_t> LookShares::nested_patterns() const {
+    if (basis_ != Basis::stationary) return {};
+    const Group* nested = nullptr;
+    for (const Group& group : groups_) {
+        if (group.variables.empty()) continue;
+        if (group.part_count != 1 || group.parts[0] != 0 || group.variables.size() != 1) return {};
+        nested = &group;
+    }
+    if (nested == nullptr) return {};
+    for (const CellSchedule::Leaf& leaf : nested->schedule.leaves())
+        if ((*nodes_)[leaf.node].draw->generator != proto::Draw::nested || leaf.dx != 0 || leaf.dy != 0)
+            return {};
+    std::vector<std::int32_t> patterns;
+    for_states(*nested, {},
+               [&](const std::array<std::int32_t, 3>& values, double) { patterns.push_back(values[0]); });
+    return patterns;
 }
 
 std::vector<LookShare> LookShares::shares(std::span<const std::int32_t> states) const {

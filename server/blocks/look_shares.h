@@ -24,14 +24,18 @@ class LookShares {
     std::optional<VaryingMap> varying() const;
     std::vector<LookShare> shares(std::span<const std::int32_t> states) const;
 
+    /// As CellProgram::nested_patterns().
+    std::vector<std::int32_t> nested_patterns() const;
+
     static constexpr std::uint64_t max_states = std::uint64_t{1} << 20;
 
   private:
     /// Draws of one stream at one corner. State s draws ⌊places[s]·count⌋, exactly: see draw_at.
     struct Variable {
-        std::uint64_t key = 0;
+        CellDraw draw;  ///< One of those.
         int dx = 0, dy = 0;
-        bool typed = false;
+        bool typed() const noexcept { return draw.generator == proto::Draw::typed; }
+        bool same(const CellDraw& other, int x, int y) const noexcept;
         std::uint32_t types = 0;
         std::vector<std::pair<std::uint32_t, std::uint32_t>>
             starts;  ///< Fractions k/n at which states begin.
@@ -53,6 +57,10 @@ class LookShares {
         double share;
     };
     Group make_group(std::span<const int> parts) const;
+    /// Runs the group for each joint state of its draws: `visit(values, weight)`, the first variable's states
+    /// fastest.
+    template <class Visit>
+    void for_states(const Group& group, std::span<const std::int32_t> states, const Visit& visit) const;
     std::vector<Outcome> enumerate(const Group& group, std::span<const std::int32_t> states) const;
 
     std::array<std::size_t, 3> roots_;

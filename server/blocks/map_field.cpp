@@ -63,6 +63,9 @@ Result<std::shared_ptr<const StoredMap>> read_explicit_map(Compilation& c, std::
         map = std::move(*read);
         if (auto size = check_map_size(c, block, std::string{field} + ".image", map); !size)
             return size.error();
+        if (message.has_blank_code() && message.blank_code() > 65535)
+            return wrong(".blank_code",
+                         "is " + std::to_string(message.blank_code()) + "; a code up to 65535");
         if (message.has_blank_code())
             for (std::int32_t& value : map.values)
                 if (value == static_cast<std::int32_t>(message.blank_code())) value = -1;

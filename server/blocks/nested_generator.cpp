@@ -1,7 +1,8 @@
 // `nested`: thresholds that are even in every aligned block (DESIGN section 2, "Nested thresholds").
-#include <array>
+#include <algorithm>
 
 #include "server/blocks/generators.h"
+#include "server/blocks/kernels.h"
 #include "server/blocks/nested_thresholds.h"
 #include "server/blocks/row_hash.h"
 
@@ -9,29 +10,15 @@ namespace tessera {
 
 namespace {
 
-/// The 24 permutations of four quadrants, two bits each.
-constexpr std::array<std::uint8_t, 24> permutations = [] {
-    std::array<std::uint8_t, 24> all{};
-    std::size_t count = 0;
-    for (unsigned a = 0; a < 4; ++a)
-        for (unsigned b = 0; b < 4; ++b)
-            for (unsigned c = 0; c < 4; ++c) {
-                if (a == b || a == c || b == c) continue;
-                const unsigned d = 6 - a - b - c;
-                all[count++] = static_cast<std::uint8_t>(a | b << 2 | c << 4 | d << 6);
-            }
-    return all;
-}();
-
 class NestedOp final : public CellOp {
   public:
     NestedOp(std::uint64_t base, std::uint32_t count) : base_{base}, count_{count} {}
 
     void run(const Stretch& stretch, const std::int32_t* const*, std::int32_t* out) const override {
-        const NestedThresholds thresholds{base_, stretch.z};
+        std::uint32_t thresholds[stretch_cells + max_reach];
+        NestedThresholds{base_, stretch.z}.row(stretch.x, stretch.y, stretch.count, thresholds);
         for (std::int32_t i = 0; i < stretch.count; ++i)
-            out[i] = static_cast<std::int32_t>(
-                std::uint64_t{thresholds.at(stretch.x + i, stretch.y)} * count_ >> 32);
+            out[i] = static_cast<std::int32_t>(std::uint64_t{thresholds[i]} * count_ >> 32);
     }
 
   private:
@@ -44,17 +31,25 @@ class NestedOp final : public CellOp {
 NestedThresholds::NestedThresholds(std::uint64_t base, std::int64_t z) noexcept
     : base_{mix(base ^ stream("nested thresholds", static_cast<std::uint64_t>(z)))} {}
 
-std::uint32_t NestedThresholds::at(std::int64_t x, std::int64_t y) const noexcept {
-    // d_j = π[hash(seed, stream, j, node_j, d_1 … d_(j−1))](q_j)
-    std::uint32_t digits = 0;
+void NestedThresholds::row(std::int64_t x, std::int64_t y, std::int32_t cells,
+                           std::uint32_t* out) const noexcept {
+    std::fill_n(out, cells, 0u);
+    std::uint32_t first[stretch_cells + max_reach], second[stretch_cells + max_reach];
     for (int j = 1; j <= 16; ++j) {
-        const auto quadrant = static_cast<unsigned>((x >> (j - 1) & 1) | (y >> (j - 1) & 1) << 1);
-        const std::uint64_t chosen =
-            hash(base_, static_cast<std::uint64_t>(j) << 32 | digits, x >> j, y >> j);
-        const std::uint8_t permutation = permutations[(chosen >> 32) * 24 >> 32];
-        digits = digits << 2 | (permutation >> (2 * quadrant) & 3u);
+        // The keys of the nodes of height j over the cells
+        const std::int64_t mask = (std::int64_t{1} << j) - 1;
+        for (std::int32_t done = 0; done < cells;) {
+            const std::int64_t at = x + done;
+            const auto run =
+                static_cast<std::int32_t>(std::min<std::int64_t>(cells - done, mask + 1 - (at & mask)));
+            const std::uint64_t key = hash(base_, static_cast<std::uint64_t>(j), at >> j, y >> j);
+            std::fill_n(first + done, run, static_cast<std::uint32_t>(key));
+            std::fill_n(second + done, run, static_cast<std::uint32_t>(key >> 32));
+            done += run;
+        }
+        const std::uint32_t down = (y >> (j - 1) & 1) != 0 ? 2 : 0;
+        block_kernels().nest(first, second, static_cast<std::uint32_t>(x), j - 1, down, cells, out);
     }
-    return digits;
 }
 
 std::shared_ptr<const CellOp> make_nested_op(std::uint64_t seed, const CellDraw& draw) {
