@@ -11,7 +11,7 @@ namespace tessera {
 /// bytes here, so that codes (4 bytes) and linear texels (16) share it.
 struct CellRowCopy {
     const void* images = nullptr;           ///< Image i at i · side² texels; rows from the top.
-    const std::uint32_t* index = nullptr;   ///< The image of each cell, from the first on that is met.
+    const std::int32_t* index = nullptr;    ///< The image of each cell, from the first on that is met.
     int side_log2 = 0;                      ///< Of an image, in texels.
     std::int32_t skip = 0;                  ///< Texels of the first cell left of the stretch: below side.
     std::int32_t width = 0;                 ///< Texels.
@@ -26,11 +26,12 @@ namespace detail {
 template <std::size_t texel_bytes, std::size_t fixed>
 void copy_cell_rows(const CellRowCopy& copy) {
     const std::size_t side = fixed != 0 ? fixed : std::size_t{1} << copy.side_log2;
-    const std::size_t row_bytes = side * texel_bytes, image_bytes = side * row_bytes;
+    const std::size_t row_bytes = side * texel_bytes;
+    const auto image_bytes = static_cast<std::ptrdiff_t>(side * row_bytes);
     const std::size_t skip = std::size_t(copy.skip), width = std::size_t(copy.width);
     const std::size_t head = skip == 0 ? 0 : std::min(side - skip, width);
     const std::size_t whole = (width - head) / side, tail = (width - head) % side;
-    const std::uint32_t* const whole_index = copy.index + (head == 0 ? 0 : 1);
+    const std::int32_t* const whole_index = copy.index + (head == 0 ? 0 : 1);
     auto* out_row = static_cast<unsigned char*>(copy.out);
     for (std::int32_t row = copy.from_row; row < copy.to_row; ++row) {
         const auto* images = static_cast<const unsigned char*>(copy.images) + std::size_t(row) * row_bytes;

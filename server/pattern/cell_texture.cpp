@@ -36,8 +36,9 @@ class DrawnCells final : public PatternTexture {
     DrawnCells(const ReferencePlan& plan, std::shared_ptr<const PatternMips> mips)
         : grid_{plan.grid}, program_{plan.program}, mips_{std::move(mips)} {
         means_.slices = mips_->slices();
-        for (std::uint32_t image = 0; image < mips_->blank(); ++image)
-            means_.means.push_back(mips_->mean(image));
+        for (std::int32_t pattern = 0; pattern < mips_->count(); ++pattern)
+            for (std::int32_t slice = 0; slice < mips_->slices(); ++slice)
+                means_.means.push_back(mips_->mean(mips_->image(pattern, slice)));
         const auto first = of_slice(0);
         known_ = first->expectation != nullptr;
         certain_ = known_ && first->expectation->bound(1).codes == 0;
@@ -46,19 +47,22 @@ class DrawnCells final : public PatternTexture {
     Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
                                 LinearImage& out) const override {
         reshape(out, region.width, region.height);
-        if (region.level <= grid_.cell_log2) return copy(region, budget, out);
+        const CellSlice at = cell_slice(grid_, region.slice, mips_->slices());
+        if (at.slice >= mips_->slices()) return blank(out);
+        if (region.level <= grid_.cell_log2) return copy(region, at, budget, out);
         const int up = region.level - grid_.cell_log2;
         if (certain_ || (known_ && up > enumerated_levels(budget.accuracy)))
-            return of_slice(cell_slice(grid_, region.slice, mips_->slices()).slice)
-                ->expectation->evaluate(region, up, budget, out);
-        if (known_ || up <= sampled_levels(budget.accuracy)) return sum_cells(region, budget, out);
-        return sample_cells(region, budget, out);
+            return of_slice(at.slice)->expectation->evaluate(region, up, budget, out);
+        if (known_ || up <= sampled_levels(budget.accuracy)) return sum_cells(region, at, budget, out);
+        return sample_cells(region, at, budget, out);
     }
     Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
                                 Rgba8Image& out) const override {
-        if (region.level > grid_.cell_log2) return Texture::evaluate(region, budget, out);
+        const CellSlice at = cell_slice(grid_, region.slice, mips_->slices());
+        if (at.slice >= mips_->slices() || region.level > grid_.cell_log2)
+            return Texture::evaluate(region, budget, out);
         reshape(out, region.width, region.height);
-        return copy(region, budget, out);
+        return copy(region, at, budget, out);
     }
     std::string_view kind() const noexcept override { return "pattern"; }
     std::string description() const override {
@@ -95,58 +99,49 @@ class DrawnCells final : public PatternTexture {
         });
     }
 
-    /// Which image each cell of a rectangle shows, a row of cells at a time.
-    class Images {
+    /// Behind the last slice of the patterns.
+    static Result<Evaluation> blank(LinearImage& out) {
+        std::fill(out.values.begin(), out.values.end(), 0.0F);
+        return Evaluation{.method = "patterns", .work = 1};
+    }
+
+    /// Which pattern each cell of a rectangle shows, a row of cells at a time.
+    class Patterns {
       public:
-        Images(const DrawnCells& of, std::int64_t slice, std::int64_t x, std::int64_t y, std::int32_t width,
-               std::int32_t height)
-            : of_{of},
-              at_{cell_slice(of.grid_, slice, of.mips_->slices())},
-              x_{x},
-              width_{width},
-              patterns_(std::size_t(width)),
-              images_(std::size_t(width)) {
-            if (of.program_->needs_types())
-                types_ = of.grid_.quadtree->types_of(0, x, y, width, height, at_.z);
+        Patterns(const DrawnCells& of, std::int64_t z, std::int64_t x, std::int64_t y, std::int32_t width,
+                 std::int32_t height)
+            : of_{of}, z_{z}, x_{x}, width_{width}, patterns_(std::size_t(width)) {
+            if (of.program_->needs_types()) types_ = of.grid_.quadtree->types_of(0, x, y, width, height, z);
         }
-        const std::uint32_t* row(std::int64_t y) {
+        const std::int32_t* row(std::int64_t y) {
             constexpr std::int32_t at_once = 4096;
             for (std::int32_t from = 0; from < width_; from += at_once) {
-                CellRow row{.x = x_ + from, .y = y, .count = std::min(at_once, width_ - from), .z = at_.z};
+                CellRow row{.x = x_ + from, .y = y, .count = std::min(at_once, width_ - from), .z = z_};
                 if (!types_.types.empty()) row.types = types_.row(y) + (x_ - types_.x) + from;
                 of_.program_->patterns(row, patterns_.data() + from);
             }
-            const PatternMips& mips = *of_.mips_;
-            const bool outside = at_.slice >= mips.slices();
-            const std::uint32_t count = outside ? 0 : static_cast<std::uint32_t>(mips.count());
-            const auto slices = static_cast<std::uint32_t>(mips.slices());
-            const auto slice = static_cast<std::uint32_t>(at_.slice);
-            for (std::size_t i = 0; i < images_.size(); ++i) {
-                const auto pattern = static_cast<std::uint32_t>(patterns_[i]);  // −1 is beyond any count
-                images_[i] = pattern < count ? pattern * slices + slice : mips.blank();
-            }
-            return images_.data();
+            return patterns_.data();
         }
 
       private:
         const DrawnCells& of_;
-        CellSlice at_;
-        std::int64_t x_;
+        std::int64_t z_, x_;
         std::int32_t width_;
         TypeGrid types_;
         std::vector<std::int32_t> patterns_;
-        std::vector<std::uint32_t> images_;
     };
 
     template <class Image>
-    Result<Evaluation> copy(const TexelRegion& region, const Budget& budget, Image& out) const {
+    Result<Evaluation> copy(const TexelRegion& region, const CellSlice& at, const Budget& budget,
+                            Image& out) const {
         const int side_log2 = grid_.cell_log2 - region.level;
         const std::int64_t x = region.x >> side_log2, y = region.y >> side_log2;
         const auto width = static_cast<std::int32_t>(((region.x + region.width - 1) >> side_log2) - x + 1);
         const auto height = static_cast<std::int32_t>(((region.y + region.height - 1) >> side_log2) - y + 1);
         const auto& all = images_of(region.level, out);
-        Images images{*this, region.slice, x, y, width, height};
-        CellRowCopy rows{.images = texels_of(all).data(),
+        const std::int32_t first = mips_->first_image(static_cast<std::int32_t>(at.slice));
+        Patterns patterns{*this, at.z, x, y, width, height};
+        CellRowCopy rows{.images = all.row(first << side_log2),
                          .side_log2 = side_log2,
                          .skip = static_cast<std::int32_t>(region.x - (x << side_log2)),
                          .width = region.width,
@@ -155,7 +150,7 @@ class DrawnCells final : public PatternTexture {
         for (std::int64_t cell = y; cell < y + height; ++cell) {
             if (auto spent = check_budget(budget); !spent) return spent.error();
             const std::int64_t top = cell * side;
-            rows.index = images.row(cell);
+            rows.index = patterns.row(cell);
             rows.from_row = static_cast<std::int32_t>(std::max<std::int64_t>(region.y - top, 0));
             rows.to_row = static_cast<std::int32_t>(std::min(region.y + region.height - top, side));
             rows.out = out.row(static_cast<std::int32_t>(top + rows.from_row - region.y));
@@ -169,26 +164,28 @@ class DrawnCells final : public PatternTexture {
     const Rgba8Image& images_of(int level, const Rgba8Image&) const { return mips_->codes(level); }
 
     /// Texels of n × n cells: sums of the cells' own, in integers.
-    Result<Evaluation> sum_cells(const TexelRegion& region, const Budget& budget, LinearImage& out) const {
+    Result<Evaluation> sum_cells(const TexelRegion& region, const CellSlice& at, const Budget& budget,
+                                 LinearImage& out) const {
+        const std::int32_t first = mips_->first_image(static_cast<std::int32_t>(at.slice));
         const int up = region.level - grid_.cell_log2;
         const std::int64_t n = std::int64_t{1} << up;
         const double unit = mips_->sum_unit() * static_cast<double>(n) * static_cast<double>(n);
         std::vector<std::array<std::int64_t, 4>> sums(std::size_t(region.width));
         for (std::int32_t row = 0; row < region.height; ++row) {
             const std::int64_t y = (region.y + row) * n;
-            Images images{*this,
-                          region.slice,
-                          region.x * n,
-                          y,
-                          static_cast<std::int32_t>(region.width * n),
-                          static_cast<std::int32_t>(n)};
+            Patterns patterns{*this,
+                              at.z,
+                              region.x * n,
+                              y,
+                              static_cast<std::int32_t>(region.width * n),
+                              static_cast<std::int32_t>(n)};
             std::fill(sums.begin(), sums.end(), std::array<std::int64_t, 4>{});
             for (std::int64_t cell_y = y; cell_y < y + n; ++cell_y) {
                 if (auto spent = check_budget(budget); !spent) return spent.error();
-                const std::uint32_t* image = images.row(cell_y);
+                const std::int32_t* pattern = patterns.row(cell_y);
                 for (auto& sum : sums)
-                    for (std::int64_t cell = 0; cell < n; ++cell, ++image) {
-                        const auto& of = mips_->sum(*image);
+                    for (std::int64_t cell = 0; cell < n; ++cell, ++pattern) {
+                        const auto& of = mips_->sum(first + *pattern);
                         for (std::size_t channel = 0; channel < 4; ++channel) sum[channel] += of[channel];
                     }
             }
@@ -203,8 +200,18 @@ class DrawnCells final : public PatternTexture {
             .work = std::uint64_t(region.width) * std::uint64_t(region.height) * std::uint64_t(n * n)};
     }
 
+    std::int32_t pattern_at(std::int64_t x, std::int64_t y, std::int64_t z) const {
+        std::uint16_t type = 0;
+        if (program_->needs_types()) type = grid_.quadtree->types_of(0, x, y, 1, 1, z).at(x, y);
+        std::int32_t pattern = -1;
+        program_->patterns({.x = x, .y = y, .count = 1, .z = z, .types = &type}, &pattern);
+        return pattern;
+    }
+
     /// Larger texels of cells of which nothing is known: one cell of each of many strata, picked by a hash.
-    Result<Evaluation> sample_cells(const TexelRegion& region, const Budget& budget, LinearImage& out) const {
+    Result<Evaluation> sample_cells(const TexelRegion& region, const CellSlice& at, const Budget& budget,
+                                    LinearImage& out) const {
+        const std::int32_t first = mips_->first_image(static_cast<std::int32_t>(at.slice));
         const int strata_log2 = sampled_levels(budget.accuracy);
         const int free_log2 = region.level - grid_.cell_log2 - strata_log2;  // bits that are drawn: 1 to 30
         const std::int64_t strata = std::int64_t{1} << strata_log2, mask = (std::int64_t{1} << free_log2) - 1;
@@ -223,15 +230,14 @@ class DrawnCells final : public PatternTexture {
                         column * (mask + 1) + (static_cast<std::int64_t>(bits) & mask);
                     const std::int64_t cell_y =
                         row * (mask + 1) + (static_cast<std::int64_t>(bits >> 32) & mask);
-                    const auto& of =
-                        mips_->sum(*Images{*this, region.slice, cell_x, cell_y, 1, 1}.row(cell_y));
+                    const auto& of = mips_->sum(first + pattern_at(cell_x, cell_y, at.z));
                     for (std::size_t channel = 0; channel < 4; ++channel) sum[channel] += of[channel];
                 }
                 for (const std::int64_t channel : sum)
                     *texel++ = static_cast<float>(static_cast<double>(channel) / unit);
             }
         }
-        const double width = of_slice(cell_slice(grid_, region.slice, mips_->slices()).slice)->width;
+        const double width = of_slice(at.slice)->width;
         const double codes = chance_codes(width, static_cast<double>(strata * strata));
         return Evaluation{.method = "sampled",
                           .bound_codes = std::min(codes, 255 * width) + rounding_codes,

@@ -21,29 +21,30 @@ class PatternMips {
     std::int32_t slices() const noexcept { return slices_; }
     std::int32_t count() const noexcept { return count_; }
 
-    /// The index of a pattern's slice; of the blank image where there is none (pattern −1, slice outside).
-    std::uint32_t image(std::int32_t pattern, std::int64_t slice) const noexcept {
-        return pattern < 0 || pattern >= count_ || slice < 0 || slice >= slices_
-                   ? blank()
-                   : static_cast<std::uint32_t>(pattern) * static_cast<std::uint32_t>(slices_) +
-                         static_cast<std::uint32_t>(slice);
-    }
-    std::uint32_t blank() const noexcept {
-        return static_cast<std::uint32_t>(count_) * static_cast<std::uint32_t>(slices_);
+    /// Images are kept slice by slice: a blank one, then the patterns. So an image's index is its pattern's,
+    /// −1 for the blank one, from first_image(slice) on.
+    std::int32_t images() const noexcept { return slices_ * (count_ + 1); }
+    std::int32_t first_image(std::int32_t slice) const noexcept { return slice * (count_ + 1) + 1; }
+    /// A pattern's slice; a blank image where there is none (pattern −1, slice outside).
+    std::int32_t image(std::int32_t pattern, std::int64_t slice) const noexcept {
+        if (pattern < 0 || pattern >= count_ || slice < 0 || slice >= slices_) return 0;
+        return first_image(static_cast<std::int32_t>(slice)) + pattern;
     }
 
-    /// All images of a level, blank() last: image i is its rows i·side to (i + 1)·side − 1, where side is the
-    /// pattern's, halved `level` times (0 to side_log2()).
+    /// All images of a level: image i is its rows i·side to (i + 1)·side − 1, where side is the pattern's,
+    /// halved `level` times (0 to side_log2()).
     const LinearImage& linear(int level) const noexcept { return levels_[std::size_t(level)].linear; }
     const Rgba8Image& codes(int level) const noexcept { return levels_[std::size_t(level)].codes; }
 
     /// The sum of an image's texels, linear and premultiplied, in integers of which sum_unit() are a mean of
     /// 1: below 2^45, so that cells are summed without rounding.
-    const std::array<std::int64_t, 4>& sum(std::uint32_t image) const noexcept { return sums_[image]; }
+    const std::array<std::int64_t, 4>& sum(std::int32_t image) const noexcept {
+        return sums_[std::size_t(image)];
+    }
     double sum_unit() const noexcept { return sum_unit_; }
     /// The image's mean colour.
-    std::array<double, 4> mean(std::uint32_t image) const noexcept {
-        const auto& of = sums_[image];
+    std::array<double, 4> mean(std::int32_t image) const noexcept {
+        const auto& of = sum(image);
         return {static_cast<double>(of[0]) / sum_unit_, static_cast<double>(of[1]) / sum_unit_,
                 static_cast<double>(of[2]) / sum_unit_, static_cast<double>(of[3]) / sum_unit_};
     }

@@ -24,7 +24,7 @@ struct ReadyImages {
     const void* texels = nullptr;
     int side_log2 = 0;
     int height = 0;
-    const std::uint32_t* image_of_type = nullptr;
+    const std::int32_t* image_of_type = nullptr;
 };
 
 /// What the cells of one slice look like.
@@ -52,7 +52,7 @@ class PatternSlice final : public SliceImages {
         std::vector<std::array<double, 4>> means;
         std::vector<float> quarters;
         for (const std::int32_t pattern : pattern_of_type) {
-            const std::uint32_t image = mips.image(pattern, slice);
+            const std::int32_t image = mips.image(pattern, slice);
             image_of_type_.push_back(image);
             means.push_back(mips.mean(image));
             if (grid.cell_log2 == 0) continue;
@@ -60,7 +60,7 @@ class PatternSlice final : public SliceImages {
             quarters.insert(quarters.end(), first, first + 16);
         }
         nodes_ = std::make_unique<CellNodeTables>(*grid.quadtree, grid.cell_log2, std::move(means),
-                                              std::move(quarters));
+                                                  std::move(quarters));
     }
     ReadyImages ready(int level, const LinearImage*) const override {
         return {mips_.linear(level).values.data(), mips_.side_log2() - level, 0, image_of_type_.data()};
@@ -70,7 +70,7 @@ class PatternSlice final : public SliceImages {
     }
     void draw(std::uint16_t type, int level, LinearImage& out) const override {
         const std::int32_t side = std::int32_t{1} << (mips_.side_log2() - level);
-        const float* image = mips_.linear(level).row(static_cast<std::int32_t>(image_of_type_[type]) * side);
+        const float* image = mips_.linear(level).row(image_of_type_[type] * side);
         out = LinearImage{side, side};
         std::copy_n(image, out.values.size(), out.values.begin());
     }
@@ -80,7 +80,7 @@ class PatternSlice final : public SliceImages {
 
   private:
     const PatternMips& mips_;
-    std::vector<std::uint32_t> image_of_type_;
+    std::vector<std::int32_t> image_of_type_;
 };
 
 /// Cells of any images: kept at the levels where all types together are small.
@@ -90,7 +90,7 @@ class DrawnSlice final : public SliceImages {
         : images_{images}, slice_{slice}, cell_log2_{grid.cell_log2} {
         const std::uint32_t types = grid.quadtree->types();
         identity_.resize(types);
-        std::iota(identity_.begin(), identity_.end(), 0u);
+        std::iota(identity_.begin(), identity_.end(), 0);
         const auto all_of_level = [&](int level) {
             const std::int32_t side = std::int32_t{1} << (cell_log2_ - level);
             LinearImage all{side, side * static_cast<std::int32_t>(types)}, one;
@@ -148,7 +148,7 @@ class DrawnSlice final : public SliceImages {
     const TypeImages& images_;
     std::int32_t slice_;
     int cell_log2_;
-    std::vector<std::uint32_t> identity_;
+    std::vector<std::int32_t> identity_;
     std::vector<Level> levels_;  ///< From the one of 4×4 texels on, finer ones behind.
 };
 
@@ -233,7 +233,7 @@ class TypedTexture : public PatternTexture {
     Result<Evaluation> copy(const TexelRegion& region, const Budget& budget, std::int64_t z,
                             const ReadyImages& ready, std::string_view method, Image& out) const {
         const Nodes nodes = nodes_under(region, z, ready.side_log2, ready.height);
-        std::vector<std::uint32_t> index(std::size_t(nodes.width));
+        std::vector<std::int32_t> index(std::size_t(nodes.width));
         CellRowCopy rows{.images = ready.texels,
                          .index = index.data(),
                          .side_log2 = ready.side_log2,

@@ -14,7 +14,8 @@ using Sampling = VaryingMap::Sampling;
 std::vector<std::array<double, 4>> means_of(const PatternImages& images) {
     const PatternMips mips{images};
     std::vector<std::array<double, 4>> means;
-    for (std::uint32_t image = 0; image < mips.blank(); ++image) means.push_back(mips.mean(image));
+    for (std::int32_t pattern = 0; pattern < mips.count(); ++pattern)
+        means.push_back(mips.mean(mips.image(pattern, 0)));
     return means;
 }
 
@@ -152,7 +153,7 @@ TEST(AreaExpectation, KeepsAConstantSetToTheLastBit) {
                     ASSERT_TRUE(did);
                     EXPECT_LT(did->bound_codes, 1e-3);
                     for (std::size_t i = 0; i < out.values.size(); ++i)
-                        ASSERT_EQ(out.values[i], mips.linear(0).values[i % 4]) << int{level};
+                        ASSERT_EQ(out.values[i], mips.linear(0).row(mips.image(0, 0))[i % 4]) << int{level};
                 }
         }
 }

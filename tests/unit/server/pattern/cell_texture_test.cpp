@@ -36,7 +36,7 @@ TEST(CellTexture, CopiesPatternsUpToTheCell) {
         for (std::int32_t y = 0; y < region.height; ++y)
             for (std::int32_t x = 0; x < region.width; ++x) {
                 const std::int64_t at_x = region.x + x, at_y = region.y + y;
-                const std::uint32_t image =
+                const std::int32_t image =
                     mips.image(pattern_of(at_x >> (3 - level), at_y >> (3 - level), 0, 0), 0);
                 const auto row = static_cast<std::int32_t>(image * side + (at_y & (side - 1)));
                 for (std::int64_t c = 0; c < 4; ++c) {

@@ -116,10 +116,9 @@ TEST(TypedTexture, OfDrawnImagesEqualsTheOneOfPatterns) {
         explicit Drawn(const PatternImages& images) : mips_{images} {}
         void draw(std::uint16_t type, int level, std::int32_t slice, LinearImage& out) const override {
             const std::int32_t side = std::int32_t{1} << (mips_.side_log2() - level);
-            const std::uint32_t image = mips_.image(type % mips_.count(), slice);
+            const std::int32_t image = mips_.image(type % mips_.count(), slice);
             out = LinearImage{side, side};
-            std::copy_n(mips_.linear(level).row(static_cast<std::int32_t>(image) * side), out.values.size(),
-                        out.values.begin());
+            std::copy_n(mips_.linear(level).row(image * side), out.values.size(), out.values.begin());
         }
         std::size_t memory_bytes() const noexcept override { return mips_.memory_bytes(); }
         std::string description() const override { return "drawn"; }
