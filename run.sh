@@ -7,8 +7,10 @@ usage() {
 usage: ./run.sh [PHOTO|SCENE] [--method METHOD] [--listen ADDR:PORT] [--view] [--prepare]
 
   PHOTO               an image file: prepared and served; the printed address opens it
-  SCENE               a sample (pebbles, pebbles-interchange, pebbles-wang, coffee, stones,
-                      maple-leaves, leaf, constant, checker) or a folder with a scene.json
+  SCENE               a sample or a folder with a scene.json. Samples: pebbles,
+                      pebbles-interchange, pebbles-wang (painted); coffee, stones,
+                      maple-leaves, leaf (photographs); tiles, meadow-sand, leaves, autumn,
+                      terrain, petals, grove (pattern blocks); constant, checker
                       Neither: all samples
   --method METHOD     how PHOTO is prepared: content_exchange unless given, interchange, wang
   --listen ADDR:PORT  where to serve, 127.0.0.1:7070 unless given; port 0 picks a free one
@@ -79,7 +81,7 @@ if [[ -n $target ]]; then
         [[ -f $target/scene.json ]] || fail "$target: is a folder without scene.json; name a scene's folder"
         kind=folder
         target=$(realpath "$target")
-    elif [[ " pebbles pebbles-interchange pebbles-wang coffee stones maple-leaves leaf constant checker " == *" $target "* ]]; then
+    elif [[ " pebbles pebbles-interchange pebbles-wang coffee stones maple-leaves leaf tiles meadow-sand leaves autumn terrain petals grove constant checker " == *" $target "* ]]; then
         kind=sample
     else
         misused "$target: neither an image file, nor a scene's folder, nor a sample's name"

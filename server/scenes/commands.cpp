@@ -10,9 +10,13 @@
 #include <CLI/CLI.hpp>
 #include <unistd.h>
 
+#include "server/pages/page_encoder.h"
 #include "server/prepare/photo_options.h"
 #include "server/progress/interrupt.h"
 #include "server/progress/terminal_progress.h"
+#include "server/scene/scene.h"
+#include "server/scene/whole_file.h"
+#include "server/scenes/pattern_pictures.h"
 #include "server/scenes/sample_scenes.h"
 #include "server/scenes/scene_folder.h"
 
@@ -26,6 +30,8 @@ struct Arguments {
     std::vector<std::string> only;
     PhotoSceneOptions scene;
     std::int64_t max_megapixels = default_megapixels;
+    std::string picture;
+    std::int32_t cell = 200;
     bool force = false;
     bool quiet = false;
 };
@@ -110,6 +116,37 @@ int run_samples(const Arguments& arguments) {
     return good ? 0 : 1;
 }
 
+Result<void> draw_picture(const Arguments& arguments, std::stop_token stop) {
+    std::vector<ScenePtr> scenes;
+    std::vector<const Texture*> textures;
+    for (const View& view : pattern_views()) {
+        if (scenes.empty() || scenes.back()->id != view.scene) {
+            auto scene = load_scene(std::filesystem::path{arguments.folder} / view.scene);
+            if (!scene)
+                return Error{scene.error().code,
+                             scene.error().detail + "; make it with tessera samples -o " + arguments.folder};
+            scenes.push_back(std::move(*scene));
+        }
+        textures.push_back(scenes.back()->texture.get());
+    }
+    const auto sheet = draw_pattern_views(textures, arguments.cell, stop);
+    if (!sheet) return sheet.error();
+    const std::string ending = std::filesystem::path{arguments.picture}.extension().string();
+    const auto format = page_format(std::string_view{ending}.substr(ending.empty() ? 0 : 1));
+    if (!format)
+        return Error{ErrorCode::invalid_input, arguments.picture + ": end it in .jpg, .png or .webp"};
+    const auto bytes = encode_page(*sheet, *format);
+    if (!bytes) return bytes.error();
+    return write_whole_file(arguments.picture, *bytes);
+}
+
+int run_picture(const Arguments& arguments) {
+    const Interrupt interrupt;
+    const auto drawn = draw_picture(arguments, interrupt.token());
+    if (!drawn) std::fprintf(stderr, "tessera pattern-picture: %s\n", drawn.error().detail.c_str());
+    return drawn ? 0 : 1;
+}
+
 int run_scene(Arguments arguments) {
     const Interrupt interrupt;
     if (!can_be_written("scene", arguments.folder)) return 1;
@@ -146,6 +183,14 @@ void add_scenes_command(CLI::App& app, int& exit_code) {
                        "those that are missing are left out");
     samples.add_option("--only", arguments->only, "Make only the sample of this name; may be repeated");
     samples.callback([arguments, &exit_code] { exit_code = run_samples(*arguments); });
+
+    CLI::App& picture =
+        *app.add_subcommand("pattern-picture", "Draws the samples of pattern blocks, each at three levels");
+    picture.add_option("SCENES", arguments->folder, "Folder that tessera samples made")->required();
+    picture.add_option("-o,--output", arguments->picture, "Picture to write: .jpg, .png or .webp")
+        ->required();
+    picture.add_option("--side", arguments->cell, "Of each view, in texels")->check(CLI::Range(32, 1024));
+    picture.callback([arguments, &exit_code] { exit_code = run_picture(*arguments); });
 
     CLI::App& scene = *app.add_subcommand(
         "scene",

@@ -8,6 +8,8 @@
 #include "server/scene/asset_file.h"
 #include "server/scene/scene.h"
 #include "server/scenes/paint_pebbles.h"
+#include "server/scenes/painted_folder.h"
+#include "server/scenes/pattern_scenes.h"
 #include "server/scenes/scene_folder.h"
 
 namespace tessera {
@@ -134,6 +136,34 @@ Result<Made> make_pattern(proto::Scene scene, Sample::Source source, const fs::p
     return Made::written;
 }
 
+/// The pebbles' asset: that of the sample beside it, if it is there as this version prepares it; else made.
+Result<void> add_pebbles(const fs::path& inside, const fs::path& sample, Progress& progress) {
+    if (holds_valid_scene(sample) && !is_outdated(sample) && preparation_of(sample)) {
+        std::error_code failure;
+        fs::copy(sample / asset_folder_name, inside / asset_folder_name, fs::copy_options::recursive,
+                 failure);
+        if (!failure) return {};
+        fs::remove_all(inside / asset_folder_name, failure);
+    }
+    const auto made = prepare(paint(progress), "pebbles", {}, nullptr, progress);
+    if (!made) return made.error();
+    return write_exchange_asset(inside / asset_folder_name, made->asset, made->preparation);
+}
+
+Result<Made> make_painted(const Sample& sample, const fs::path& folder, bool force, Progress& progress) {
+    const fs::path target = folder / sample.name;
+    if (!force && standing_of(target) == Standing::current) return Made::kept;
+    progress.advance("painting", 0);
+    PaintedScene painted = paint_pattern_scene(sample.name);
+    progress.advance("painting", 1);
+    painted.scene.MergeFrom(described(sample.title, sample.attribution));
+    const auto written = write_painted_folder(target, painted, [&](const fs::path& inside) {
+        return add_pebbles(inside, folder / "pebbles", progress);
+    });
+    if (!written) return written.error();
+    return Made::written;
+}
+
 }  // namespace
 
 const std::vector<Sample>& all_samples() {
@@ -149,6 +179,13 @@ const std::vector<Sample>& all_samples() {
         {"stones", "Stones", gallery, photograph},
         {"maple-leaves", "Maple leaves", gallery, photograph},
         {"leaf", "Leaves", gallery, photograph},
+        {"tiles", "Meadow: sixteen tiles in no order", painted, patterns},
+        {"meadow-sand", "Meadow and sand, with borders", painted, patterns},
+        {"leaves", "Red leaves on moss", painted, patterns},
+        {"autumn", "A lawn in autumn", painted, patterns},
+        {"terrain", "Land: sand, forest, rock and snow", painted, patterns},
+        {"petals", "Cherry petals on pebbles", painted, patterns},
+        {"grove", "A grove in slices", painted, patterns},
         {"constant", "One colour", "", constant},
         {"checker", "Checkerboard", "", checker},
     };
@@ -167,6 +204,7 @@ fs::path photo_of(const Sample& sample, const fs::path& photos) {
 
 Result<Made> make_sample(const Sample& sample, const fs::path& folder, const fs::path& photos, bool force,
                          Progress& progress) {
+    if (sample.source == Sample::Source::patterns) return make_painted(sample, folder, force, progress);
     const fs::path target = folder / sample.name;
     const bool keep_scene = !force && holds_valid_scene(target);
     if (keep_scene && !is_outdated(target)) return Made::kept;

@@ -45,11 +45,9 @@ Result<fs::path> make_unfinished_folder(const fs::path& target) {
     return made;
 }
 
-Result<void> fill(const fs::path& folder, const proto::Scene& scene, const RecordedAsset* asset) {
-    if (asset != nullptr)
-        if (auto written = write_exchange_asset(folder / asset_folder_name, asset->asset, asset->preparation);
-            !written)
-            return written;
+Result<void> fill(const fs::path& folder, const proto::Scene& scene,
+                  const std::function<Result<void>(const fs::path&)>& add_files) {
+    if (auto added = add_files(folder); !added) return added;
     // Last, since a folder without it is no scene
     const std::string text = write_brief_json(scene);
     const std::span bytes{reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
@@ -87,6 +85,14 @@ std::string numbered_id(const std::string& id, int number) {
 
 Result<void> write_scene_folder(const fs::path& folder, const proto::Scene& scene,
                                 const RecordedAsset* asset) {
+    return write_scene_folder_with(folder, scene, [asset](const fs::path& inside) -> Result<void> {
+        if (asset == nullptr) return {};
+        return write_exchange_asset(inside / asset_folder_name, asset->asset, asset->preparation);
+    });
+}
+
+Result<void> write_scene_folder_with(const fs::path& folder, const proto::Scene& scene,
+                                     const std::function<Result<void>(const fs::path&)>& add_files) {
     std::error_code failure;
     if (fs::exists(folder, failure) && !fs::is_empty(folder, failure) &&
         !fs::exists(folder / "scene.json", failure))
@@ -97,7 +103,7 @@ Result<void> write_scene_folder(const fs::path& folder, const proto::Scene& scen
     const auto unfinished = make_unfinished_folder(target);
     if (!unfinished) return unfinished.error();
     const RemovedAtEnd made{*unfinished};
-    if (auto done = fill(made.folder, scene, asset); !done) return done;
+    if (auto done = fill(made.folder, scene, add_files); !done) return done;
     if (auto done = move_into_place(made.folder, target); !done) return done;
     return sync_folder(target.parent_path());
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -32,6 +33,11 @@ inline constexpr const char* asset_folder_name = "asset";
 /// io_failure, invalid_input (a folder that is there and no scene).
 Result<void> write_scene_folder(const std::filesystem::path& folder, const proto::Scene& scene,
                                 const RecordedAsset* asset);
+
+/// The same, with what `add_files` writes into the folder that it is given.
+Result<void> write_scene_folder_with(
+    const std::filesystem::path& folder, const proto::Scene& scene,
+    const std::function<Result<void>(const std::filesystem::path&)>& add_files);
 
 /// Whether `folder` holds a scene that loads.
 bool holds_valid_scene(const std::filesystem::path& folder);
