@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -19,6 +20,12 @@ class AreaSums {
         std::int64_t from = 0;  ///< What is stored: [from, from + count).
         std::int64_t count = 1;
         bool wraps = false;  ///< Else the first and the last go on.
+
+        /// Where `at` is stored, from 0 on.
+        std::int64_t stored(std::int64_t at) const noexcept {
+            return wraps ? ((at - from) % count + count) % count
+                         : std::clamp<std::int64_t>(at - from, 0, count - 1);
+        }
     };
 
     /// `value(i, j)`: a colour, called once for each stored point, row after row. The magnitudes of all of

@@ -101,11 +101,7 @@ class MapExpectation final : public AreaExpectation {
     }
     const CornerPatches::Patch& corner_patch(std::int64_t i, std::int64_t j) const noexcept {
         const AreaSums::Axis x = patch_axis(map_.width), y = patch_axis(map_.height);
-        const auto stored = [](const AreaSums::Axis& axis, std::int64_t at) {
-            return axis.wraps ? (at % axis.count + axis.count) % axis.count
-                              : std::clamp<std::int64_t>(at - axis.from, 0, axis.count - 1);
-        };
-        return (*corner_patches_)[patch_of_[static_cast<std::size_t>(stored(y, j) * x.count + stored(x, i))]];
+        return (*corner_patches_)[patch_of_[static_cast<std::size_t>(y.stored(j) * x.count + x.stored(i))]];
     }
 
     /// The mean over all cells of a patch, told from base_.
@@ -182,6 +178,34 @@ class MapExpectation final : public AreaExpectation {
         return 255 * 3 * range * least;
     }
 
+    /// Patches of a row of the texture, from the `first` on: what their expectations are made of.
+    struct PatchRow {
+        std::vector<std::uint16_t> top, bottom;  ///< States of entries; with corners, `top` numbers patches.
+    };
+    void read_row(std::int64_t first, std::int64_t j, PatchRow& row) const noexcept {
+        if (!corners_) {
+            read_states(first, j, row.top);
+            if (functions_of(rows_) > 1) read_states(first, j + 1, row.bottom);
+            return;
+        }
+        const AreaSums::Axis x = patch_axis(map_.width), y = patch_axis(map_.height);
+        const std::uint16_t* patches = &patch_of_[static_cast<std::size_t>(y.stored(j) * x.count)];
+        for (std::uint16_t& patch : row.top) patch = patches[x.stored(first++)];
+    }
+    void read_states(std::int64_t first, std::int64_t j, std::vector<std::uint16_t>& states) const noexcept {
+        if (map_.edge == StoredMap::Edge::wrap) {
+            const std::int32_t* row = &map_.values[static_cast<std::size_t>((j % map_.height + map_.height) %
+                                                                            map_.height * map_.width)];
+            std::int64_t i = (first % map_.width + map_.width) % map_.width;
+            for (std::uint16_t& state : states) {
+                state = states_.number(row[i]);
+                if (++i == map_.width) i = 0;
+            }
+        } else {
+            for (std::uint16_t& state : states) state = state_at(first++, j);
+        }
+    }
+
     /// Texels no larger than a patch.
     Result<Evaluation> inside_patches(const TexelRegion& region, int up, const Budget& budget,
                                       LinearImage& out) const {
@@ -189,39 +213,40 @@ class MapExpectation final : public AreaExpectation {
         const int texels_log2 = map_.cells_log2 - up;  // of a patch's side
         const std::int64_t left = region.x - (map_.x >> up), top = region.y - (map_.y >> up);
         const std::int64_t mask = (std::int64_t{1} << texels_log2) - 1;
-        const std::size_t functions = functions_of(columns_);
         std::vector<std::array<double, most_functions>> across(static_cast<std::size_t>(region.width));
         for (std::int32_t x = 0; x < region.width; ++x)
             across[static_cast<std::size_t>(x)] = means_over(columns_, ((left + x) & mask) * n, n, cells);
+        const std::int64_t first = left >> texels_log2;
+        PatchRow patches;
+        patches.top.resize(static_cast<std::size_t>(((left + region.width - 1) >> texels_log2) - first + 2));
+        patches.bottom.resize(patches.top.size());
+
         double width = 0;
         ColourRange range;
-        std::int64_t measured = 0;  // Patches of which row are in `range`
-        bool first = true;
         for (std::int32_t y = 0; y < region.height; ++y) {
             if (auto spent = check_budget(budget); !spent) return spent.error();
-            const std::int64_t j = (top + y) >> texels_log2;
-            const bool measure = first || j != measured;
-            first = false;
-            measured = j;
+            const bool new_row = y == 0 || ((top + y) & mask) == 0;
+            if (new_row) {
+                read_row(first, (top + y) >> texels_log2, patches);
+                measure(patches, width, range);
+            }
             const auto down = means_over(rows_, ((top + y) & mask) * n, n, cells);
             float* texel = out.row(y);
             for (std::int32_t x = 0; x < region.width;) {
                 const std::int64_t i = (left + x) >> texels_log2;
+                const auto at = static_cast<std::size_t>(i - first);
+                if (corners_ && texels_log2 == 0) {
+                    write(texel, (*corner_patches_)[patches.top[at]].mean);
+                    texel += 4;
+                    ++x;
+                    continue;
+                }
                 const auto until = static_cast<std::int32_t>(
                     std::min<std::int64_t>(region.width, ((i + 1) << texels_log2) - left));
                 std::array<Colour, most_functions> column;
-                if (corners_)
-                    collapse(corner_patch(i, j), down, column);
-                else
-                    collapse(i, j, down, column);
-                if (measure) measure_patch(i, j, width, range);
-                for (; x < until; ++x, texel += 4) {
-                    const auto& weights = across[static_cast<std::size_t>(x)];
-                    Colour sum{};
-                    for (std::size_t k = 0; k < functions; ++k)
-                        for (std::size_t c = 0; c < 4; ++c) sum[c] += weights[k] * column[k][c];
-                    for (std::size_t c = 0; c < 4; ++c) texel[c] = static_cast<float>(base_[c] + sum[c]);
-                }
+                collapse(patches, at, down, column);
+                for (; x < until; ++x, texel += 4)
+                    write(texel, combined(across[static_cast<std::size_t>(x)], column));
             }
         }
         const ChanceBound bound = bound_of(up, width, range.width());
@@ -231,41 +256,45 @@ class MapExpectation final : public AreaExpectation {
                           .work = std::uint64_t(region.width) * std::uint64_t(region.height)};
     }
 
-    void collapse(const CornerPatches::Patch& patch, const std::array<double, most_functions>& down,
+    void write(float* texel, const Colour& told_from_base) const noexcept {
+        for (std::size_t c = 0; c < 4; ++c) texel[c] = static_cast<float>(base_[c] + told_from_base[c]);
+    }
+    Colour combined(const std::array<double, most_functions>& weights,
+                    const std::array<Colour, most_functions>& column) const noexcept {
+        Colour sum{};
+        for (std::size_t k = 0; k < functions_of(columns_); ++k)
+            for (std::size_t c = 0; c < 4; ++c) sum[c] += weights[k] * column[k][c];
+        return sum;
+    }
+    /// A patch along x, at the rows that `down` means.
+    void collapse(const PatchRow& patches, std::size_t at, const std::array<double, most_functions>& down,
                   std::array<Colour, most_functions>& column) const noexcept {
         const std::size_t functions = functions_of(columns_);
-        column = {};
+        std::fill_n(column.begin(), functions, Colour{});
         for (std::size_t row = 0; row < functions_of(rows_); ++row)
-            for (std::size_t k = 0; k < functions; ++k)
-                for (std::size_t c = 0; c < 4; ++c)
-                    column[k][c] += down[row] * patch.coefficients[row * functions + k][c];
-    }
-    void collapse(std::int64_t i, std::int64_t j, const std::array<double, most_functions>& down,
-                  std::array<Colour, most_functions>& column) const noexcept {
-        column = {};
-        for (std::size_t row = 0; row < functions_of(rows_); ++row)
-            for (std::size_t k = 0; k < functions_of(columns_); ++k) {
-                const Colour& entry =
-                    looks_[state_at(i + static_cast<std::int64_t>(k), j + static_cast<std::int64_t>(row))]
-                        .mean;
-                for (std::size_t c = 0; c < 4; ++c) column[k][c] += down[row] * entry[c];
+            for (std::size_t k = 0; k < functions; ++k) {
+                const Colour& colour =
+                    corners_ ? (*corner_patches_)[patches.top[at]].coefficients[row * functions + k]
+                             : looks_[(row == 0 ? patches.top : patches.bottom)[at + k]].mean;
+                for (std::size_t c = 0; c < 4; ++c) column[k][c] += down[row] * colour[c];
             }
     }
-    void measure_patch(std::int64_t i, std::int64_t j, double& width, ColourRange& range) const noexcept {
-        ColourRange of_patch;
-        if (corners_) {
-            const CornerPatches::Patch& patch = corner_patch(i, j);
-            width = std::max(width, patch.width);
-            of_patch = patch.range;
-        } else {
+    /// What chance alone may make of the patches' cells, and what they may show at all.
+    void measure(const PatchRow& patches, double& width, ColourRange& range) const noexcept {
+        for (std::size_t at = 0; at + 1 < patches.top.size(); ++at) {
+            if (corners_) {
+                const CornerPatches::Patch& patch = (*corner_patches_)[patches.top[at]];
+                width = std::max(width, patch.width);
+                range.add(patch.range);
+                continue;
+            }
+            ColourRange of_patch;
             for (std::size_t row = 0; row < functions_of(rows_); ++row)
                 for (std::size_t k = 0; k < functions_of(columns_); ++k)
-                    of_patch.add(
-                        looks_[state_at(i + static_cast<std::int64_t>(k), j + static_cast<std::int64_t>(row))]
-                            .range);
+                    of_patch.add(looks_[(row == 0 ? patches.top : patches.bottom)[at + k]].range);
             width = std::max(width, of_patch.width());
+            range.add(of_patch);
         }
-        range.add(of_patch);
     }
 
     /// Texels of 2^log2 × 2^log2 patches, more than one.
