@@ -1,18 +1,31 @@
 #include "server/texture/texture.h"
 
+#include <algorithm>
+
 #include "shared/math/srgb.h"
 
 namespace tessera {
 
 void encode(const LinearImage& linear, Rgba8Image& out) {
-    out = Rgba8Image{linear.width, linear.height};
-    const auto& codes = steps_to_srgb();
-    for (std::size_t i = 0; i < linear.values.size(); i += 4) {
-        for (std::size_t channel = 0; channel < 3; ++channel)
-            out.bytes[i + channel] = codes[to_steps(linear.values[i + channel])];
-        // Alpha is a coverage, not a colour: linear in its code
-        out.bytes[i + 3] =
-            static_cast<std::uint8_t>((to_steps(linear.values[i + 3]) * 255u + 32767u) / 65535u);
+    out.width = linear.width;
+    out.height = linear.height;
+    out.bytes.resize(linear.values.size());
+    const std::uint8_t* codes = steps_to_srgb_codes();
+    // Some texels at a time, so that the arithmetic runs in vectors and only look-ups do not
+    constexpr std::size_t at_once = 256;
+    std::int32_t steps[at_once];
+    for (std::size_t from = 0; from < linear.values.size(); from += at_once) {
+        const std::size_t count = std::min(at_once, linear.values.size() - from);
+        const float* values = linear.values.data() + from;
+        std::uint8_t* bytes = out.bytes.data() + from;
+        for (std::size_t i = 0; i < count; ++i) steps[i] = to_steps(values[i]);
+        for (std::size_t i = 0; i < count; i += 4) {
+            for (std::size_t channel = 0; channel < 3; ++channel)
+                bytes[i + channel] = codes[steps[i + channel]];
+            // Alpha is a coverage, not a colour: linear in its code
+            bytes[i + 3] = static_cast<std::uint8_t>(
+                (static_cast<std::uint32_t>(steps[i + 3]) * 255u + 32767u) / 65535u);
+        }
     }
 }
 
