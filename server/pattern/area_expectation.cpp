@@ -32,14 +32,18 @@ class StationaryExpectation final : public AreaExpectation {
     Result<Evaluation> evaluate(const TexelRegion& region, int up, const Budget& budget,
                                 LinearImage& out) const override {
         if (auto spent = check_budget(budget); !spent) return spent.error();
-        for (std::size_t i = 0; i < out.values.size(); ++i)
-            out.values[i] = static_cast<float>(base_[i % 4] + mixture_.mean[i % 4]);
+        std::array<float, 4> colour;
+        for (std::size_t c = 0; c < 4; ++c) colour[c] = static_cast<float>(base_[c] + mixture_.mean[c]);
+        for (std::size_t i = 0; i < out.values.size(); i += 4)
+            std::copy(colour.begin(), colour.end(), out.values.begin() + static_cast<std::ptrdiff_t>(i));
         const ChanceBound of_level = bound(up);
         return Evaluation{.method = "expectation",
                           .bound_codes = of_level.codes + rounding_codes,
                           .confidence = of_level.confidence,
                           .work = std::uint64_t(region.height)};
     }
+
+    bool uniform() const noexcept override { return true; }
 
     ChanceBound bound(int up) const noexcept override {
         const double side = static_cast<double>(std::int64_t{1} << up), cells = side * side;

@@ -22,6 +22,8 @@ class AreaExpectation {
     /// distance to the texture as drawn. `out` is of the region's size.
     virtual Result<Evaluation> evaluate(const TexelRegion& region, int up, const Budget& budget,
                                         LinearImage& out) const = 0;
+    /// Whether all texels are one colour.
+    virtual bool uniform() const noexcept { return false; }
     /// No texel of 2^up × 2^up cells is further from what is drawn, anywhere.
     virtual ChanceBound bound(int up) const noexcept = 0;
     virtual std::size_t memory_bytes() const noexcept = 0;

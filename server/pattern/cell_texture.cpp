@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <utility>
 #include <vector>
 
@@ -51,7 +52,7 @@ class DrawnCells final : public PatternTexture {
         if (at.slice >= mips_->slices()) return blank(out);
         if (region.level <= grid_.cell_log2) return copy(region, at, budget, out);
         const int up = region.level - grid_.cell_log2;
-        if (certain_ || (known_ && up > enumerated_levels(budget.accuracy)))
+        if (by_expectation(up, budget.accuracy))
             return of_slice(at.slice)->expectation->evaluate(region, up, budget, out);
         if (known_ || up <= sampled_levels(budget.accuracy)) return sum_cells(region, at, budget, out);
         return sample_cells(region, at, budget, out);
@@ -59,10 +60,15 @@ class DrawnCells final : public PatternTexture {
     Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
                                 Rgba8Image& out) const override {
         const CellSlice at = cell_slice(grid_, region.slice, mips_->slices());
-        if (at.slice >= mips_->slices() || region.level > grid_.cell_log2)
-            return Texture::evaluate(region, budget, out);
-        reshape(out, region.width, region.height);
-        return copy(region, at, budget, out);
+        if (at.slice < mips_->slices() && region.level <= grid_.cell_log2) {
+            reshape(out, region.width, region.height);
+            return copy(region, at, budget, out);
+        }
+        const int up = region.level - grid_.cell_log2;
+        if (at.slice < mips_->slices() && by_expectation(up, budget.accuracy) &&
+            of_slice(at.slice)->expectation->uniform())
+            return fill(region, budget, out);
+        return Texture::evaluate(region, budget, out);
     }
     std::string_view kind() const noexcept override { return "pattern"; }
     std::string description() const override {
@@ -97,6 +103,22 @@ class DrawnCells final : public PatternTexture {
             made->width = range.width();
             return made;
         });
+    }
+
+    bool by_expectation(int up, Accuracy accuracy) const noexcept {
+        return certain_ || (known_ && up > enumerated_levels(accuracy));
+    }
+
+    /// One colour, coded once.
+    Result<Evaluation> fill(const TexelRegion& region, const Budget& budget, Rgba8Image& out) const {
+        TexelRegion texel = region;
+        texel.width = texel.height = 1;
+        const auto evaluation = Texture::evaluate(texel, budget, out);
+        if (!evaluation) return evaluation;
+        const std::array<std::uint8_t, 4> code{out.bytes[0], out.bytes[1], out.bytes[2], out.bytes[3]};
+        reshape(out, region.width, region.height);
+        for (std::size_t i = 0; i < out.bytes.size(); i += 4) std::memcpy(&out.bytes[i], code.data(), 4);
+        return evaluation;
     }
 
     /// Behind the last slice of the patterns.
