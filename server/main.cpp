@@ -10,6 +10,7 @@
 #include "server/http/commands.h"
 #include "server/prepare/commands.h"
 #include "server/scenes/commands.h"
+#include "server/tiled/commands.h"
 
 int main(int argc, char** argv) {
     CLI::App app{"Tessera: evaluates endless textures page by page, exactly filtered, and streams them."};
@@ -22,6 +23,7 @@ int main(int argc, char** argv) {
     tessera::add_bake_commands(app, exit_code);     // page, bake, check
     tessera::add_compare_commands(app, exit_code);  // quality, compare
     tessera::add_scenes_command(app, exit_code);    // samples
+    tessera::add_import_command(app, exit_code);    // import
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& wrong) {
