@@ -58,8 +58,8 @@ Result<void> compile_tile_transform(Compilation& c, std::size_t block) {
     const std::int64_t first = (std::int64_t{turn.least} * turns + number_one / 2) / number_one;
     const std::int64_t last = (std::int64_t{turn.most} * turns + number_one / 2) / number_one;
     nodes.steps.first_turn = static_cast<std::int32_t>(last - first >= turns ? 0 : first);
-    for (std::uint32_t i = 0; i < turns && i <= last - first; ++i)
-        plan->turns.push_back(static_cast<double>((nodes.steps.first_turn + i) % turns) / turns);
+    for (std::int32_t i = 0; i < nodes.steps.turns && i <= last - first; ++i)
+        plan->turns.push_back(static_cast<double>((nodes.steps.first_turn + i) % nodes.steps.turns) / turns);
     const double least = static_cast<double>(scale.least) / number_one;
     const double span = static_cast<double>(std::int64_t{scale.most} - scale.least) / number_one;
     if (scale.constant())

@@ -109,7 +109,7 @@ TEST(Independent, ShowsEachEntryOfAProbabilityMapAsOftenAsItsShare) {
                    R"(, "weight": )" + std::to_string(weights[i]) + "}";
         if (weights[i] != 0) shares.push_back(weights[i] / 64.0);
     }
-    for (const std::uint64_t seed : {1, 2, 3}) {
+    for (const std::uint64_t seed : {1u, 2u, 3u}) {
         for (const int draws : {64, 65536}) {
             const Cells cells{
                 R"({"name": "draw", "virtual_indirection_map": {"grid": "grid", "generator": "independent", "count": )" +
