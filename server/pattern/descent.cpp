@@ -6,6 +6,8 @@ namespace tessera {
 namespace {
 
 constexpr std::int32_t block_side = 32;
+constexpr std::int32_t probe_side = 8;
+constexpr float worthwhile = 0.8F;
 constexpr float enough = static_cast<float>(0.5 * code_in_linear);
 /// Rounding of a few float operations on numbers of about 1, in codes.
 constexpr double rounding_codes = 1e-4;
@@ -16,6 +18,16 @@ int deepest(Accuracy accuracy, int parts, int level) {
     int d = 0;
     while (d < level && (std::int64_t{parts} << 2 * (d + 1)) <= 256) ++d;
     return d;
+}
+
+/// A square of `side` texels from (x, y) in `region` on, d levels below.
+TexelRegion below(const TexelRegion& region, std::int32_t x, std::int32_t y, std::int32_t side, int d) {
+    TexelRegion fine = region;
+    fine.level = static_cast<std::uint8_t>(region.level - d);
+    fine.x = (region.x + x) * (std::int64_t{1} << d);
+    fine.y = (region.y + y) * (std::int64_t{1} << d);
+    fine.width = fine.height = side << d;
+    return fine;
 }
 
 /// Means of 2^d × 2^d values, `channels` of them each.
@@ -81,14 +93,26 @@ Result<Evaluation> evaluate_descending(const Composite& composite, const TexelRe
                     const float* row = bounds.data() + std::ptrdiff_t{y} * hull.width + bx;
                     worst = std::max(worst, *std::max_element(row, row + block_side));
                 }
+                if (worst <= mended) continue;
+                // A corner first: where parts are about as far apart however deep one looks, there is no use
+                float corner = 0;
+                for (std::int32_t y = by; y < by + probe_side; ++y) {
+                    const float* row = bounds.data() + std::ptrdiff_t{y} * hull.width + bx;
+                    corner = std::max(corner, *std::max_element(row, row + probe_side));
+                }
+                if (corner > mended) {
+                    const auto probe =
+                        composite.compose(below(hull, bx, by, probe_side, depth), budget, fine, fine_bounds);
+                    if (!probe) return probe;
+                    sum.work += probe->work;
+                    reduce(fine_bounds.data(), probe_side, probe_side, depth, 1, block_bounds);
+                    if (*std::max_element(block_bounds.begin(), block_bounds.end()) > worthwhile * corner)
+                        continue;
+                }
                 for (int d = 1; d <= depth && worst > mended; ++d) {
                     if (auto spent = check_budget(budget); !spent) return spent.error();
-                    TexelRegion below = hull;
-                    below.level = static_cast<std::uint8_t>(hull.level - d);
-                    below.x = (hull.x + bx) * (std::int64_t{1} << d);
-                    below.y = (hull.y + by) * (std::int64_t{1} << d);
-                    below.width = below.height = block_side << d;
-                    const Result<Evaluation> one = composite.compose(below, budget, fine, fine_bounds);
+                    const auto one =
+                        composite.compose(below(hull, bx, by, block_side, d), budget, fine, fine_bounds);
                     if (!one) return one;
                     sum.work += one->work;
                     reduce(fine_bounds.data(), block_side, block_side, d, 1, block_bounds);

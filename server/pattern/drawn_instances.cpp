@@ -1,27 +1,29 @@
 #include "server/pattern/drawn_instances.h"
 
 #include <algorithm>
-#include <list>
-#include <mutex>
 #include <utility>
 #include <vector>
 
 #include "server/pattern/area_expectation.h"
 #include "server/pattern/cell_looks.h"
 #include "server/pattern/cell_slice.h"
+#include "server/pattern/slice_cache.h"
+#include "shared/math/hash.h"
 
 namespace tessera {
 namespace {
 
 /// Rounding to float.
 constexpr double rounding_codes = 4e-5;
-/// Expectations of so many slices are kept at a time.
-constexpr std::size_t kept_slices = 8;
 
-/// A texel of more than 4^m cells is expected, not summed: a matter of level and accuracy alone, so that any
+/// Texels of up to 4^this cells are summed cell by cell: a matter of level and accuracy alone, so that any
 /// split of a region gives the same texels.
-int most_summed(Accuracy accuracy) noexcept {
+constexpr int summed_levels(Accuracy accuracy) noexcept {
     return accuracy == Accuracy::exact ? 4 : accuracy == Accuracy::high ? 3 : 0;
+}
+/// Where nothing is known of larger texels' cells, 4^this of them are looked at.
+constexpr int sampled_levels(Accuracy accuracy) noexcept {
+    return accuracy == Accuracy::exact ? 4 : accuracy == Accuracy::high ? 3 : 2;
 }
 
 class DrawnInstances final : public PatternTexture {
@@ -31,8 +33,10 @@ class DrawnInstances final : public PatternTexture {
         ColourRange range;
         range.add(Colour{});
         for (const auto& mean : means_.means) range.add(mean);
-        width_codes_ = 255 * range.width();
-        expectation(0);
+        width_ = range.width();
+        const auto first = expectation(0);
+        known_ = first->is != nullptr;
+        certain_ = known_ && first->is->bound(1).codes == 0;
     }
 
     using Texture::evaluate;
@@ -45,13 +49,13 @@ class DrawnInstances final : public PatternTexture {
         const CellSlice at = cell_slice(plan_.grid, region.slice, plan_.patterns->slices);
         const int up = region.level - plan_.grid.cell_log2;
         if (up <= 0) return draw(region, at, budget, out);
-        if (up > most_summed(budget.accuracy))
-            if (const auto expected = expectation(at.slice))
-                return expected->evaluate(region, up, budget, out);
-        return sum_cells(region, at, up, budget, out);
+        if (certain_ || (known_ && up > summed_levels(budget.accuracy)))
+            return expectation(at.slice)->is->evaluate(region, up, budget, out);
+        if (known_ || up <= sampled_levels(budget.accuracy)) return sum_cells(region, at, up, budget, out);
+        return sample_cells(region, at, up, budget, out);
     }
     std::string_view kind() const noexcept override { return "pattern"; }
-    int cell_level() const noexcept override { return plan_.grid.cell_log2; }
+    int cell_level() const noexcept override { return certain_ ? -1 : plan_.grid.cell_log2; }
     std::string description() const override {
         return std::to_string(plan_.patterns->count) + " patterns in " +
                std::to_string(plan_.transform->turns.size()) + " turns and " +
@@ -59,28 +63,23 @@ class DrawnInstances final : public PatternTexture {
                std::to_string(std::int64_t{1} << plan_.grid.cell_log2) + " texels, drawn one by one";
     }
     std::size_t memory_bytes() const noexcept override {
-        const auto expected = expectation(0);
+        const std::size_t of_a_slice = known_ ? expectation(0)->is->memory_bytes() : 0;
         return sizeof *this + images_->memory_bytes() + means_.memory_bytes() +
                plan_.program->memory_bytes() +
-               (expected ? expected->memory_bytes() *
-                               std::min<std::size_t>(kept_slices, static_cast<std::size_t>(means_.slices))
-                         : 0);
+               of_a_slice *
+                   std::min(SliceCache<Expectation>::most_kept, static_cast<std::size_t>(means_.slices));
     }
 
   private:
-    /// Made when a slice is first asked for; those used last are kept.
-    std::shared_ptr<const AreaExpectation> expectation(std::int64_t slice) const {
-        const std::lock_guard lock{mutex_};
-        const auto found =
-            std::find_if(kept_.begin(), kept_.end(), [&](const auto& kept) { return kept.first == slice; });
-        if (found != kept_.end()) {
-            kept_.splice(kept_.begin(), kept_, found);
-        } else {
-            kept_.emplace_front(
-                slice, make_area_expectation(*plan_.program, means_, static_cast<std::int32_t>(slice)));
-            if (kept_.size() > kept_slices) kept_.pop_back();
-        }
-        return kept_.front().second;
+    struct Expectation {
+        std::unique_ptr<const AreaExpectation> is;  ///< Null where cells have to be looked at.
+    };
+    std::shared_ptr<const Expectation> expectation(std::int64_t slice) const {
+        return slices_.get(slice, [&](std::int64_t at) {
+            auto made = std::make_shared<Expectation>();
+            made->is = make_area_expectation(*plan_.program, means_, static_cast<std::int32_t>(at));
+            return made;
+        });
     }
 
     /// Up to the level of a cell: each texel lies in one cell, which holds all of its instance.
@@ -120,45 +119,70 @@ class DrawnInstances final : public PatternTexture {
                          out.row(static_cast<std::int32_t>(y - region.y)) + (from - region.x) * 4);
     }
 
-    /// Texels of 2^up × 2^up cells. All of them, or, where that is never affordable and nothing is known of
-    /// the cells' looks, one from the middle of each of 64 parts of the texel.
+    /// Texels of 2^up × 2^up cells.
     Result<Evaluation> sum_cells(const TexelRegion& region, const CellSlice& at, int up, const Budget& budget,
                                  LinearImage& out) const {
-        const int looked_at = std::min(up, std::max(most_summed(budget.accuracy), 3));
-        const std::int64_t n = std::int64_t{1} << looked_at, apart = std::int64_t{1} << (up - looked_at);
-        const double share = 1.0 / static_cast<double>(n * n);
+        const std::int64_t n = std::int64_t{1} << up;
+        std::vector<Colour> sums(static_cast<std::size_t>(region.width));
+        for (std::int32_t row = 0; row < region.height; ++row) {
+            std::fill(sums.begin(), sums.end(), Colour{});
+            const std::int64_t y = (region.y + row) * n;
+            CellLooks looks{plan_,
+                            at.z,
+                            region.x * n,
+                            y,
+                            static_cast<std::int32_t>(region.width * n),
+                            static_cast<std::int32_t>(n)};
+            for (std::int64_t cell_y = y; cell_y < y + n; ++cell_y) {
+                if (auto spent = check_budget(budget); !spent) return spent.error();
+                const Look* look = looks.row(cell_y);
+                for (Colour& sum : sums)
+                    for (std::int64_t i = 0; i < n; ++i) add(*look++, at.slice, sum);
+            }
+            write(sums, n * n, out.row(row));
+        }
+        return Evaluation{.method = "cells", .bound_codes = rounding_codes, .work = cells(region, n)};
+    }
+
+    /// Larger texels of cells of which nothing is known: one cell of each of many parts, picked by a hash.
+    Result<Evaluation> sample_cells(const TexelRegion& region, const CellSlice& at, int up,
+                                    const Budget& budget, LinearImage& out) const {
+        const int parts_log2 = sampled_levels(budget.accuracy);
+        const std::int64_t n = std::int64_t{1} << parts_log2, part = std::int64_t{1} << (up - parts_log2);
+        const std::uint64_t key = stream("cells of a texel", region.level);
         std::vector<Colour> sums(static_cast<std::size_t>(region.width));
         for (std::int32_t row = 0; row < region.height; ++row) {
             if (auto spent = check_budget(budget); !spent) return spent.error();
             std::fill(sums.begin(), sums.end(), Colour{});
-            for (std::int64_t j = 0; j < n; ++j) {
-                const std::int64_t cell_y = ((region.y + row) * n + j) * apart + apart / 2;
-                if (apart == 1) {
-                    CellLooks looks{
-                        plan_, at.z, region.x * n, cell_y, static_cast<std::int32_t>(region.width * n), 1};
-                    const Look* look = looks.row(cell_y);
-                    for (Colour& sum : sums)
-                        for (std::int64_t i = 0; i < n; ++i) add(*look++, at.slice, sum);
-                    continue;
+            for (std::size_t x = 0; x < sums.size(); ++x)
+                for (std::int64_t i = 0; i < n * n; ++i) {
+                    const std::int64_t part_x = (region.x + static_cast<std::int64_t>(x)) * n + i % n;
+                    const std::int64_t part_y = (region.y + row) * n + i / n;
+                    const std::uint64_t bits = hash(0, key, part_x, part_y);
+                    const std::int64_t cell_x =
+                        part_x * part + (static_cast<std::int64_t>(bits) & (part - 1));
+                    const std::int64_t cell_y =
+                        part_y * part + (static_cast<std::int64_t>(bits >> 32) & (part - 1));
+                    CellLooks looks{plan_, at.z, cell_x, cell_y, 1, 1};
+                    add(*looks.row(cell_y), at.slice, sums[x]);
                 }
-                for (std::size_t x = 0; x < sums.size(); ++x)
-                    for (std::int64_t i = 0; i < n; ++i) {
-                        const std::int64_t cell_x =
-                            ((region.x + static_cast<std::int64_t>(x)) * n + i) * apart + apart / 2;
-                        CellLooks looks{plan_, at.z, cell_x, cell_y, 1, 1};
-                        add(*looks.row(cell_y), at.slice, sums[x]);
-                    }
-            }
-            float* texel = out.row(row);
-            for (const Colour& sum : sums)
-                for (const double channel : sum) *texel++ = static_cast<float>(channel * share);
+            write(sums, n * n, out.row(row));
         }
-        const double missing = 1 - 1 / static_cast<double>(apart) / static_cast<double>(apart);
-        return Evaluation{.method = apart == 1 ? "cells" : "sampled cells",
-                          .bound_codes = rounding_codes + missing * width_codes_,
-                          .work = static_cast<std::uint64_t>(region.width) *
-                                  static_cast<std::uint64_t>(region.height) *
-                                  static_cast<std::uint64_t>(n * n)};
+        const double codes = chance_codes(width_, static_cast<double>(n * n));
+        return Evaluation{.method = "sampled",
+                          .bound_codes = std::min(codes, 255 * width_) + rounding_codes,
+                          .confidence = codes < 255 * width_ ? stated_confidence : 1,
+                          .work = cells(region, n)};
+    }
+
+    static std::uint64_t cells(const TexelRegion& region, std::int64_t n) noexcept {
+        return static_cast<std::uint64_t>(region.width) * static_cast<std::uint64_t>(region.height) *
+               static_cast<std::uint64_t>(n * n);
+    }
+    static void write(const std::vector<Colour>& sums, std::int64_t count, float* texel) noexcept {
+        const double share = 1.0 / static_cast<double>(count);
+        for (const Colour& sum : sums)
+            for (const double channel : sum) *texel++ = static_cast<float>(channel * share);
     }
     void add(const Look& look, std::int64_t slice, Colour& sum) const noexcept {
         const Colour mean = means_.of(look, static_cast<std::int32_t>(slice));
@@ -168,9 +192,10 @@ class DrawnInstances final : public PatternTexture {
     ReferencePlan plan_;
     std::shared_ptr<const InstanceImages> images_;
     LookMeans means_;
-    double width_codes_ = 0;  ///< Between the means of any two looks, at most.
-    mutable std::mutex mutex_;
-    mutable std::list<std::pair<std::int64_t, std::shared_ptr<const AreaExpectation>>> kept_;
+    double width_ = 0;  ///< That the means of all looks span.
+    SliceCache<Expectation> slices_;
+    bool known_ = false;    ///< The cells' expectation can be listed.
+    bool certain_ = false;  ///< It is what they show: nothing is drawn by chance.
 };
 
 }  // namespace

@@ -35,17 +35,56 @@ class LayeredTexture final : public Texture, private Composite {
 
     Result<Evaluation> compose(const TexelRegion& region, const Budget& budget, LinearImage& out,
                                std::vector<float>& bounds) const override {
-        Evaluation sum{.method = "layers"};
+        return region.level == 0 ? compose_texels(region, budget, out, bounds)
+                                 : compose_means(region, budget, out, bounds);
+    }
+
+    /// What the layers' own evaluations were, together.
+    struct Sum {
+        Evaluation evaluation{.method = "layers"};
         double doubt = 0;
-        const auto add = [&](const Evaluation& part) {
-            sum.work += part.work;
+        void add(const Evaluation& part) noexcept {
+            evaluation.work += part.work;
+            evaluation.bound_codes += part.bound_codes;
             doubt += 1 - part.confidence;
-            sum.bound_codes += part.bound_codes;
-            return static_cast<float>(part.bound_codes * code_in_linear);
-        };
+        }
+        Evaluation total() const noexcept {
+            Evaluation all = evaluation;
+            all.confidence = std::max(1 - doubt, 0.0);
+            return all;
+        }
+    };
+
+    /// Level 0, where a texel is one value.
+    Result<Evaluation> compose_texels(const TexelRegion& region, const Budget& budget, LinearImage& out,
+                                      std::vector<float>& bounds) const {
+        Sum sum;
+        LinearImage upper;
+        for (std::size_t k = 0; k < layers_.size(); ++k) {
+            const auto one = layers_[k].texture->evaluate(region, budget, k == 0 ? out : upper);
+            if (!one) return one;
+            sum.add(*one);
+            if (k == 0) continue;
+            float* below = out.values.data();
+            for (const float* over = upper.values.data(); over != upper.values.data() + upper.values.size();
+                 over += 4, below += 4) {
+                const float rest = 1 - over[3];
+                for (std::size_t c = 0; c < 4; ++c) below[c] = over[c] + rest * below[c];
+            }
+        }
+        // A layer's error counts in its colour and in what its alpha leaves of those below
+        bounds.assign(out.values.size() / 4,
+                      static_cast<float>(2 * sum.evaluation.bound_codes * code_in_linear));
+        return sum.total();
+    }
+
+    Result<Evaluation> compose_means(const TexelRegion& region, const Budget& budget, LinearImage& out,
+                                     std::vector<float>& bounds) const {
+        Sum sum;
         const auto ground = layers_.front().texture->evaluate(region, budget, out);
         if (!ground) return ground;
-        const float ground_error = add(*ground);
+        sum.add(*ground);
+        const auto ground_error = static_cast<float>(ground->bound_codes * code_in_linear);
         TexelRange range = layers_.front().range;
         const std::size_t texels = out.values.size() / 4;
         std::vector<KnownMeans> means(texels);
@@ -59,19 +98,18 @@ class LayeredTexture final : public Texture, private Composite {
         for (std::size_t k = 1; k < layers_.size(); ++k) {
             const auto upper = layers_[k].texture->evaluate(region, budget, out);
             if (!upper) return upper;
-            const float error = add(*upper);
-            const MeansOver over{layers_[k].range, range, region.level == 0};
+            sum.add(*upper);
+            const auto error = static_cast<float>(upper->bound_codes * code_in_linear);
+            const MeansOver over{layers_[k].range, range, false};
             for (std::size_t i = 0; i < texels; ++i) over(&out.values[i * 4], error, means[i]);
             range = over.range();
         }
         bounds.resize(texels);
         for (std::size_t i = 0; i < texels; ++i) {
-            std::copy_n(means[i].estimate.begin(), 4,
-                        out.values.begin() + static_cast<std::ptrdiff_t>(i * 4));
+            std::copy_n(means[i].estimate.begin(), 4, &out.values[i * 4]);
             bounds[i] = means[i].bound();
         }
-        sum.confidence = std::max(1 - doubt, 0.0);
-        return sum;
+        return sum.total();
     }
 
     std::vector<Layer> layers_;

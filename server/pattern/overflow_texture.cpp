@@ -34,7 +34,9 @@ class InstanceSums final : public TypeImages {
         for (std::size_t i = 0; i < out.values.size(); ++i) out.values[i] = static_cast<float>(mean[i % 4]);
     }
     std::int32_t slices() const noexcept override { return plan_.patterns->slices; }
-    std::size_t memory_bytes() const noexcept override { return means_.memory_bytes(); }
+    std::size_t memory_bytes() const noexcept override {
+        return images_->memory_bytes() + means_.memory_bytes();
+    }
     std::string description() const override { return "sums of instances"; }
 
   private:
@@ -84,7 +86,7 @@ class OverflowTexture final : public PatternTexture, private Composite {
                std::to_string(std::int64_t{1} << plan_.grid.cell_log2) + " texels";
     }
     std::size_t memory_bytes() const noexcept override {
-        return sizeof *this + images_->memory_bytes() + sums_->memory_bytes();
+        return sizeof *this + sums_->memory_bytes();  // Which hold the images, too
     }
 
   private:

@@ -11,7 +11,7 @@ constexpr std::int32_t block_side = 1 << block_log2;
 constexpr std::size_t block_entries = std::size_t{1} << 2 * block_log2;
 constexpr std::uint32_t is_mixed = 256;
 /// Squares up to this size are counted entry by entry.
-constexpr int direct_log2 = 4;
+constexpr int direct_log2 = 2;
 
 }  // namespace
 

@@ -52,7 +52,7 @@ TEST(Layers, OfOneGridAreExactAtEveryLevel) {
 }
 
 TEST(Layers, OfOneGridEqualTheirCompositeAtLevelZero) {
-    const Grid grid = made_grid(4);
+    const Grid grid = made_grid(5);
     const std::vector<ReferencePlan> parts{filled(grid, 1, true), turned(grid, 2), filled(grid, 3, false)};
     const Plan plan = plan_of({parts[0], parts[1], parts[2], LayersPlan{{0, 1, 2}}});
     const TexelRegion region{0, -40, 13, 90, 50};

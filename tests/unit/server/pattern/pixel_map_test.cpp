@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/pattern/pattern_texture.h"
 #include "server/pattern/pixel_map_texture.h"
 #include "server/pattern/sparse_map.h"
 #include "server/texture/constant_texture.h"
