@@ -72,7 +72,9 @@ Result<Evaluation> evaluate_descending(const Composite& composite, const TexelRe
     hull.y = floored(region.y);
     hull.width = static_cast<std::int32_t>(floored(region.x + region.width + block_side - 1) - hull.x);
     hull.height = static_cast<std::int32_t>(floored(region.y + region.height + block_side - 1) - hull.y);
-    const int depth = deepest(budget.accuracy, composite.parts(), region.level);
+    const int least_depth = std::max(region.level - composite.mended_from(), 1);
+    int depth = deepest(budget.accuracy, composite.parts(), region.level);
+    if (depth < least_depth) depth = 0;
     if (depth == 0) hull = region;
 
     LinearImage whole;
@@ -109,7 +111,7 @@ Result<Evaluation> evaluate_descending(const Composite& composite, const TexelRe
                     if (*std::max_element(block_bounds.begin(), block_bounds.end()) > worthwhile * corner)
                         continue;
                 }
-                for (int d = 1; d <= depth && worst > mended; ++d) {
+                for (int d = least_depth; d <= depth && worst > mended; ++d) {
                     if (auto spent = check_budget(budget); !spent) return spent.error();
                     const auto one =
                         composite.compose(below(hull, bx, by, block_side, d), budget, fine, fine_bounds);

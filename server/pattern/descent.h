@@ -15,6 +15,8 @@ class Composite {
     /// says how much of them is the parts' own, which no descent mends.
     virtual Result<Evaluation> compose(const TexelRegion& region, const Budget& budget, LinearImage& out,
                                        std::vector<float>& bounds) const = 0;
+    /// Descents that stay above this level mend nothing.
+    virtual int mended_from() const noexcept { return max_level; }
     /// What a texel costs: layers, instances that may meet.
     virtual int parts() const noexcept = 0;
 };

@@ -60,14 +60,21 @@ class ProductLimits {
 };
 
 /// Composites a layer's means over those of what is below: upper + (1 − its alpha)·lower, whose last term is
-/// a product of means only where both vary independently.
+/// a product of two means. Written for four channels at a time.
 class MeansOver {
   public:
     /// `one_texel`: of level 0, where a texel is one value and products are exact.
     MeansOver(const TexelRange& upper, const TexelRange& lower, bool one_texel) noexcept
         : upper_{upper}, result_{range_over(upper, lower)}, one_texel_{one_texel} {
-        for (std::size_t c = 0; c < 4; ++c)
-            products_[c] = {1 - upper.most[3], 1 - upper.least[3], lower.least[c], lower.most[c]};
+        share_0_ = 1 - upper.most[3];
+        share_range_ = upper.most[3] - upper.least[3];
+        per_share_ = share_range_ > 0 ? 1 / share_range_ : 0;
+        for (std::size_t c = 0; c < 4; ++c) {
+            value_0_[c] = lower.least[c];
+            value_range_[c] = lower.most[c] - lower.least[c];
+            per_value_[c] = value_range_[c] > 0 ? 1 / value_range_[c] : 0;
+            both_[c] = share_range_ * value_range_[c];
+        }
     }
 
     /// `upper`: four channels, each within `error` of the mean.
@@ -75,15 +82,28 @@ class MeansOver {
         const float share = 1 - upper[3];
         const float share_least = std::max(share - error, 1 - upper_.most[3]);
         const float share_most = std::min(share + error, 1 - upper_.least[3]);
+        const float x_least = unit((share_least - share_0_) * per_share_);
+        const float x_most = unit((share_most - share_0_) * per_share_);
+        std::array<float, 4> least, most;
         for (std::size_t c = 0; c < 4; ++c) {
-            const float least = std::max(upper[c] - error, upper_.least[c]);
-            const float most = std::min(upper[c] + error, upper_.most[c]);
-            below.least[c] = std::max(least + (one_texel_ ? share_least * below.least[c]
-                                                          : products_[c].least(share_least, below.least[c])),
-                                      result_.least[c]);
-            below.most[c] = std::min(most + (one_texel_ ? share_most * below.most[c]
-                                                        : products_[c].most(share_most, below.most[c])),
-                                     result_.most[c]);
+            // ProductLimits, of each channel
+            const float y_least = unit((below.least[c] - value_0_[c]) * per_value_[c]);
+            const float y_most = unit((below.most[c] - value_0_[c]) * per_value_[c]);
+            least[c] = share_0_ * (value_0_[c] + value_range_[c] * y_least) +
+                       value_0_[c] * share_range_ * x_least +
+                       both_[c] * std::max(0.0F, x_least + y_least - 1);
+            most[c] = share_0_ * (value_0_[c] + value_range_[c] * y_most) +
+                      value_0_[c] * share_range_ * x_most + both_[c] * std::min(x_most, y_most);
+        }
+        if (one_texel_)
+            for (std::size_t c = 0; c < 4; ++c) {
+                least[c] = share_least * below.least[c];
+                most[c] = share_most * below.most[c];
+            }
+        for (std::size_t c = 0; c < 4; ++c) {
+            below.least[c] =
+                std::max(std::max(upper[c] - error, upper_.least[c]) + least[c], result_.least[c]);
+            below.most[c] = std::min(std::min(upper[c] + error, upper_.most[c]) + most[c], result_.most[c]);
             below.estimate[c] = upper[c] + share * below.estimate[c];
         }
         // Premultiplied: no channel is more than alpha
@@ -93,8 +113,11 @@ class MeansOver {
     const TexelRange& range() const noexcept { return result_; }
 
   private:
+    static float unit(float x) noexcept { return std::min(std::max(x, 0.0F), 1.0F); }
+
     TexelRange upper_, result_;
-    std::array<ProductLimits, 4> products_;
+    float share_0_, share_range_, per_share_;
+    std::array<float, 4> value_0_, value_range_, per_value_, both_;
     bool one_texel_;
 };
 

@@ -91,6 +91,7 @@ class OverflowTexture final : public PatternTexture, private Composite {
 
   private:
     int parts() const noexcept override { return 4; }
+    int mended_from() const noexcept override { return plan_.grid.cell_log2; }
 
     Result<Evaluation> compose(const TexelRegion& region, const Budget& budget, LinearImage& out,
                                std::vector<float>& bounds) const override {
