@@ -44,7 +44,8 @@ LookShares::LookShares(std::shared_ptr<const std::vector<CellNode>> nodes, std::
     }
 
     // What the leaves are
-    bool typed = false, drawn = false, other = false, draws_at_corners = false;
+    bool typed = false, drawn = false, other = false, draws_at_corners = false,
+         far_draws = false;
     for (const Group& group : groups_) {
         other |= group.states > max_states;
         for (const CellSchedule::Leaf& leaf : group.schedule.leaves()) {
@@ -62,10 +63,12 @@ LookShares::LookShares(std::shared_ptr<const std::vector<CellNode>> nodes, std::
             other |= generator == proto::Draw::sigma;  // Nothing is sure of how often sigma draws what
             independent_ &= generator == proto::Draw::independent;
             draws_at_corners |= leaf.dx != 0 || leaf.dy != 0;
+            far_draws |= leaf.dx > 1 || leaf.dy > 1;
         }
     }
     if (map_ != nullptr) {
-        independent_ &= !map_->map->nested;
+        // Who knows of the map's corners knows that cells share the draws at them
+        independent_ &= !map_->map->nested && !far_draws && (corners_ || !draws_at_corners);
         // A draw of the stream that dithers tells of the map's state
         for (const Group& group : groups_)
             for (const Variable& variable : group.variables)

@@ -101,4 +101,10 @@ std::unique_ptr<const AreaExpectation> make_area_expectation(const CellProgram& 
     return nullptr;
 }
 
+std::uint64_t area_expectation_bytes(const CellProgram& program) {
+    if (program.basis() != CellProgram::Basis::varying) return 0;
+    const auto varying = program.varying();
+    return varying ? map_expectation_bytes(*varying->map) : 0;
+}
+
 }  // namespace tessera

@@ -34,4 +34,7 @@ class AreaExpectation {
 std::unique_ptr<const AreaExpectation> make_area_expectation(const CellProgram& program,
                                                              const LookMeans& means, std::int32_t slice);
 
+/// The most that the expectation of one slice may take, in bytes.
+std::uint64_t area_expectation_bytes(const CellProgram& program);
+
 }  // namespace tessera

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -18,9 +19,28 @@ namespace {
 constexpr double rounding_codes = 4e-5;
 /// More kinds of patches than that are not listed.
 constexpr std::uint32_t most_corner_patches = 1 << 14;
-/// Maps of more patches keep sums of blocks of patches.
+/// Maps of more patches keep sums of blocks of patches; of no more blocks than `most_sums`.
 constexpr std::int64_t most_single_sums = std::int64_t{1} << 20;
-constexpr int block_log2 = 3;
+constexpr std::int64_t most_sums = std::int64_t{1} << 22;
+constexpr int most_block_log2 = 3;
+
+/// Patch (i, j) lies between the entries (i, j) and (i + 1, j + 1), counted from the map's first.
+AreaSums::Axis patch_axis(const StoredMap& map, std::int64_t entries) noexcept {
+    if (map.edge == StoredMap::Edge::wrap) return {0, entries, true};
+    return {-2, entries + 3, false};  // two on each side are as all beyond
+}
+
+/// log2 of the side of blocks that sums are kept of. Blocks lie on the texture's lattice, so that texels of a
+/// block or more are whole blocks; where the map repeats, it must do so on that lattice.
+int block_log2(const StoredMap& map) noexcept {
+    const std::int64_t width = patch_axis(map, map.width).count, height = patch_axis(map, map.height).count;
+    if (width * height <= most_single_sums) return 0;
+    if (map.edge != StoredMap::Edge::wrap) return most_block_log2;
+    return std::min(most_block_log2, std::countr_zero(static_cast<std::uint64_t>(width | height)));
+}
+std::int64_t sums_of(const StoredMap& map) noexcept {
+    return (patch_axis(map, map.width).count * patch_axis(map, map.height).count) >> 2 * block_log2(map);
+}
 
 class MapExpectation final : public AreaExpectation {
   public:
@@ -73,11 +93,6 @@ class MapExpectation final : public AreaExpectation {
     }
 
   private:
-    /// Patch (i, j) lies between the entries (i, j) and (i + 1, j + 1), counted from the map's first.
-    AreaSums::Axis patch_axis(std::int64_t entries) const noexcept {
-        if (map_.edge == StoredMap::Edge::wrap) return {0, entries, true};
-        return {-2, entries + 3, false};  // two on each side are as all beyond
-    }
     std::uint16_t state_at(std::int64_t i, std::int64_t j) const noexcept {
         return states_.number(map_.entry(i, j));
     }
@@ -85,7 +100,7 @@ class MapExpectation final : public AreaExpectation {
     void list_corner_patches(const CellProgram& program, const VaryingMap& varying, const LookMeans& means,
                              std::int32_t slice) {
         corner_patches_.emplace(program, varying, means, slice, states_.values(), base_);
-        const AreaSums::Axis x = patch_axis(map_.width), y = patch_axis(map_.height);
+        const AreaSums::Axis x = patch_axis(map_, map_.width), y = patch_axis(map_, map_.height);
         patch_of_.reserve(static_cast<std::size_t>(x.count * y.count));
         for (std::int64_t j = y.from; j < y.from + y.count; ++j)
             for (std::int64_t i = x.from; i < x.from + x.count; ++i) {
@@ -100,7 +115,7 @@ class MapExpectation final : public AreaExpectation {
         }
     }
     const CornerPatches::Patch& corner_patch(std::int64_t i, std::int64_t j) const noexcept {
-        const AreaSums::Axis x = patch_axis(map_.width), y = patch_axis(map_.height);
+        const AreaSums::Axis x = patch_axis(map_, map_.width), y = patch_axis(map_, map_.height);
         return (*corner_patches_)[patch_of_[static_cast<std::size_t>(y.stored(j) * x.count + x.stored(i))]];
     }
 
@@ -120,14 +135,9 @@ class MapExpectation final : public AreaExpectation {
         return mean;
     }
 
-    /// Sums of patches; of large maps, of blocks of them. Blocks lie on the texture's lattice, so that texels
-    /// of a block or more are whole blocks; where the map repeats, it must do so on that lattice.
     void make_sums() {
-        const AreaSums::Axis x = patch_axis(map_.width), y = patch_axis(map_.height);
-        const std::int64_t side = std::int64_t{1} << block_log2;
-        if (x.count * y.count > most_single_sums &&
-            (map_.edge != StoredMap::Edge::wrap || (x.count % side == 0 && y.count % side == 0)))
-            block_ = block_log2;
+        const AreaSums::Axis x = patch_axis(map_, map_.width), y = patch_axis(map_, map_.height);
+        block_ = block_log2(map_);
         shift_x_ = (map_.x >> map_.cells_log2) & ((std::int64_t{1} << block_) - 1);
         shift_y_ = (map_.y >> map_.cells_log2) & ((std::int64_t{1} << block_) - 1);
         const auto blocks = [&](const AreaSums::Axis& axis, std::int64_t shift) -> AreaSums::Axis {
@@ -188,7 +198,7 @@ class MapExpectation final : public AreaExpectation {
             if (functions_of(rows_) > 1) read_states(first, j + 1, row.bottom);
             return;
         }
-        const AreaSums::Axis x = patch_axis(map_.width), y = patch_axis(map_.height);
+        const AreaSums::Axis x = patch_axis(map_, map_.width), y = patch_axis(map_, map_.height);
         const std::uint16_t* patches = &patch_of_[static_cast<std::size_t>(y.stored(j) * x.count)];
         for (std::uint16_t& patch : row.top) patch = patches[x.stored(first++)];
     }
@@ -367,12 +377,20 @@ class MapExpectation final : public AreaExpectation {
 std::unique_ptr<const AreaExpectation> make_map_expectation(const CellProgram& program,
                                                             const LookMeans& means, std::int32_t slice) {
     const auto varying = program.varying();
-    if (!varying) return nullptr;
+    if (!varying || sums_of(*varying->map) > most_sums) return nullptr;
     auto states = MapStates::of(*varying->map);
     if (!states) return nullptr;
     auto made = std::make_unique<const MapExpectation>(program, *varying, std::move(*states), means, slice);
     if (!made->is_listed()) return nullptr;
     return made;
+}
+
+std::uint64_t map_expectation_bytes(const StoredMap& map) noexcept {
+    if (sums_of(map) > most_sums) return 0;
+    const auto patches = static_cast<std::uint64_t>(patch_axis(map, map.width).count) *
+                         static_cast<std::uint64_t>(patch_axis(map, map.height).count);
+    // Numbers of patches, sums, kinds of patches and states
+    return patches * 2 + static_cast<std::uint64_t>(sums_of(map)) * 40 + (std::uint64_t{32} << 20);
 }
 
 }  // namespace tessera

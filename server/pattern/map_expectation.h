@@ -10,4 +10,7 @@ namespace tessera {
 std::unique_ptr<const AreaExpectation> make_map_expectation(const CellProgram& program,
                                                             const LookMeans& means, std::int32_t slice);
 
+/// The most that it may take.
+std::uint64_t map_expectation_bytes(const StoredMap& map) noexcept;
+
 }  // namespace tessera

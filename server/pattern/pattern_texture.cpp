@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/pattern/area_expectation.h"
 #include "server/pattern/cell_texture.h"
 #include "server/pattern/instance_texture.h"
 #include "server/pattern/layer_types.h"
@@ -127,18 +128,24 @@ class Compiler {
     std::vector<std::shared_ptr<const Texture>> made_;
 };
 
-/// The tables of a typed quadtree's nodes, as many slices of them as are kept.
+/// Of how many slices tables are kept.
+std::uint64_t kept_slices(const ReferencePlan& plan) {
+    return std::min<std::uint64_t>(
+        static_cast<std::uint64_t>(plan.grid.cell_slices > 0 ? plan.grid.cell_slices : plan.patterns->slices),
+        8);
+}
+
+/// The tables of a typed quadtree's nodes.
 std::uint64_t tables_bytes(const ReferencePlan& plan) {
     if (!plan.grid.quadtree) return 0;
-    const std::uint64_t slices =
-        static_cast<std::uint64_t>(plan.grid.cell_slices > 0 ? plan.grid.cell_slices : plan.patterns->slices);
-    return std::uint64_t{plan.grid.quadtree->types()} * 40 * 80 * std::min<std::uint64_t>(slices, 8);
+    return std::uint64_t{plan.grid.quadtree->types()} * 40 * 80 * kept_slices(plan);
 }
 
 std::uint64_t bytes_of(const ReferencePlan& plan) {
     // A MIP chain of floats and codes, and what sums are made in
     const std::uint64_t texels = plan.patterns->codes.size() / 4;
-    std::uint64_t bytes = tables_bytes(plan) + plan.program->memory_bytes();
+    std::uint64_t bytes = tables_bytes(plan) + plan.program->memory_bytes() +
+                          area_expectation_bytes(*plan.program) * kept_slices(plan);
     if (!plan.transform) return bytes + texels * 60;
     const std::uint64_t images = InstanceImages::bytes(plan);
     if (images > std::numeric_limits<std::uint64_t>::max() / 2) return images;
