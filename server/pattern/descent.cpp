@@ -16,7 +16,7 @@ int deepest(Accuracy accuracy, int parts, int level) {
     if (accuracy == Accuracy::fast) return 0;
     if (accuracy == Accuracy::high) return std::min(level, 2);
     int d = 0;
-    while (d < level && (std::int64_t{parts} << 2 * (d + 1)) <= 256) ++d;
+    while (d < level && (std::int64_t{parts} << 2 * (d + 1)) <= 512) ++d;
     return d;
 }
 
@@ -62,6 +62,14 @@ void copy_block(const std::vector<Value>& from, std::int32_t block_x, std::int32
 }
 
 }  // namespace
+
+Result<Evaluation> CompositePart::evaluate(const TexelRegion& region, const Budget& budget, LinearImage& out,
+                                           std::vector<float>& bounds) const {
+    if (composite_ != nullptr) return composite_->compose(region, budget, out, bounds);
+    const auto one = texture_->evaluate(region, budget, out);
+    if (one) bounds.assign(out.values.size() / 4, static_cast<float>(one->bound_codes * code_in_linear));
+    return one;
+}
 
 Result<Evaluation> evaluate_descending(const Composite& composite, const TexelRegion& region,
                                        const Budget& budget, LinearImage& out) {

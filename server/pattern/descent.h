@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "server/texture/texture.h"
@@ -21,9 +23,28 @@ class Composite {
     virtual int parts() const noexcept = 0;
 };
 
+/// A part of a composite: a texture, or a composite itself, which is then composed at the level of the whole,
+/// with its texels' own bounds; only the whole descends.
+class CompositePart {
+  public:
+    explicit CompositePart(std::shared_ptr<const Texture> texture)
+        : texture_{std::move(texture)}, composite_{dynamic_cast<const Composite*>(texture_.get())} {}
+    CompositePart() = default;
+
+    /// `bounds`: as Composite::compose gives them.
+    Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget, LinearImage& out,
+                                std::vector<float>& bounds) const;
+    int parts() const noexcept { return composite_ != nullptr ? composite_->parts() : 1; }
+    const Texture* texture() const noexcept { return texture_.get(); }
+
+  private:
+    std::shared_ptr<const Texture> texture_;
+    const Composite* composite_ = nullptr;
+};
+
 /// Evaluates a composite, and where a block's bound is above half a code composes it d levels below and
 /// reduces: estimates of smaller texels are products of less. fast: d = 0; high: up to 2; exact: as deep as a
-/// certain half code needs, at most until a texel has cost 256 parts (2^24 of a page); not where a corner of
+/// certain half code needs, at most until a texel has cost 512 parts; not where a corner of
 /// the block shows that the bound would shrink by less than a fifth. Blocks lie on the level's lattice, so
 /// that a texel does not depend on the region that it was asked for in.
 Result<Evaluation> evaluate_descending(const Composite& composite, const TexelRegion& region,

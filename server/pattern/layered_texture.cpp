@@ -9,9 +9,11 @@
 namespace tessera {
 namespace {
 
-class LayeredTexture final : public Texture, private Composite {
+class LayeredTexture final : public Texture, public Composite {
   public:
-    explicit LayeredTexture(std::vector<Layer> layers) : layers_{std::move(layers)} {}
+    explicit LayeredTexture(std::vector<Layer> layers) {
+        for (Layer& layer : layers) layers_.push_back({CompositePart{std::move(layer.texture)}, layer.range});
+    }
 
     using Texture::evaluate;
     Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
@@ -21,23 +23,31 @@ class LayeredTexture final : public Texture, private Composite {
     std::string_view kind() const noexcept override { return "layers"; }
     std::string description() const override {
         std::string text = std::to_string(layers_.size()) + " layers, composited where they are filtered";
-        for (const Layer& layer : layers_) text += "; " + layer.texture->description();
+        for (const Part& layer : layers_) text += "; " + layer.is.texture()->description();
         return text;
     }
     std::size_t memory_bytes() const noexcept override {
         std::size_t bytes = sizeof *this;
-        for (const Layer& layer : layers_) bytes += layer.texture->memory_bytes();
+        for (const Part& layer : layers_) bytes += layer.is.texture()->memory_bytes();
         return bytes;
     }
 
-  private:
-    int parts() const noexcept override { return static_cast<int>(layers_.size()); }
-
+    int parts() const noexcept override {
+        int parts = 0;
+        for (const Part& layer : layers_) parts += layer.is.parts();
+        return parts;
+    }
     Result<Evaluation> compose(const TexelRegion& region, const Budget& budget, LinearImage& out,
                                std::vector<float>& bounds) const override {
         return region.level == 0 ? compose_texels(region, budget, out, bounds)
                                  : compose_means(region, budget, out, bounds);
     }
+
+  private:
+    struct Part {
+        CompositePart is;
+        TexelRange range;
+    };
 
     /// What the layers' own evaluations were, together.
     struct Sum {
@@ -60,31 +70,30 @@ class LayeredTexture final : public Texture, private Composite {
                                       std::vector<float>& bounds) const {
         Sum sum;
         LinearImage upper;
+        std::vector<float> errors;
         for (std::size_t k = 0; k < layers_.size(); ++k) {
-            const auto one = layers_[k].texture->evaluate(region, budget, k == 0 ? out : upper);
+            const auto one =
+                layers_[k].is.evaluate(region, budget, k == 0 ? out : upper, k == 0 ? bounds : errors);
             if (!one) return one;
             sum.add(*one);
             if (k == 0) continue;
             float* below = out.values.data();
-            for (const float* over = upper.values.data(); over != upper.values.data() + upper.values.size();
-                 over += 4, below += 4) {
+            const float* over = upper.values.data();
+            for (std::size_t i = 0; i < bounds.size(); ++i, over += 4, below += 4) {
                 const float rest = 1 - over[3];
                 for (std::size_t c = 0; c < 4; ++c) below[c] = over[c] + rest * below[c];
+                bounds[i] += 2 * errors[i];  // In its colour, and in what its alpha leaves of those below
             }
         }
-        // A layer's error counts in its colour and in what its alpha leaves of those below
-        bounds.assign(out.values.size() / 4,
-                      static_cast<float>(2 * sum.evaluation.bound_codes * code_in_linear));
         return sum.total();
     }
 
     Result<Evaluation> compose_means(const TexelRegion& region, const Budget& budget, LinearImage& out,
                                      std::vector<float>& bounds) const {
         Sum sum;
-        const auto ground = layers_.front().texture->evaluate(region, budget, out);
+        const auto ground = layers_.front().is.evaluate(region, budget, out, bounds);
         if (!ground) return ground;
         sum.add(*ground);
-        const auto ground_error = static_cast<float>(ground->bound_codes * code_in_linear);
         TexelRange range = layers_.front().range;
         const std::size_t texels = out.values.size() / 4;
         std::vector<KnownMeans> means(texels);
@@ -92,19 +101,17 @@ class LayeredTexture final : public Texture, private Composite {
             for (std::size_t c = 0; c < 4; ++c) {
                 const float value = out.values[i * 4 + c];
                 means[i].estimate[c] = value;
-                means[i].least[c] = std::max(value - ground_error, range.least[c]);
-                means[i].most[c] = std::min(value + ground_error, range.most[c]);
+                means[i].least[c] = std::max(value - bounds[i], range.least[c]);
+                means[i].most[c] = std::min(value + bounds[i], range.most[c]);
             }
         for (std::size_t k = 1; k < layers_.size(); ++k) {
-            const auto upper = layers_[k].texture->evaluate(region, budget, out);
+            const auto upper = layers_[k].is.evaluate(region, budget, out, bounds);
             if (!upper) return upper;
             sum.add(*upper);
-            const auto error = static_cast<float>(upper->bound_codes * code_in_linear);
             const MeansOver over{layers_[k].range, range, false};
-            for (std::size_t i = 0; i < texels; ++i) over(&out.values[i * 4], error, means[i]);
+            for (std::size_t i = 0; i < texels; ++i) over(&out.values[i * 4], bounds[i], means[i]);
             range = over.range();
         }
-        bounds.resize(texels);
         for (std::size_t i = 0; i < texels; ++i) {
             std::copy_n(means[i].estimate.begin(), 4, &out.values[i * 4]);
             bounds[i] = means[i].bound();
@@ -112,7 +119,7 @@ class LayeredTexture final : public Texture, private Composite {
         return sum.total();
     }
 
-    std::vector<Layer> layers_;
+    std::vector<Part> layers_;
 };
 
 }  // namespace

@@ -11,21 +11,21 @@
 namespace tessera {
 namespace {
 
-class PixelMapTexture final : public Texture, private Composite {
+class PixelMapTexture final : public Texture, public Composite {
   public:
     PixelMapTexture(const StoredMap& map, std::vector<Layer> parts)
-        : map_{map, parts.size()}, entry_log2_{map.cells_log2}, parts_{std::move(parts)} {
-        range_ = parts_[map_.at(0, 0)].range;
-        for (const Layer& part : parts_)
+        : map_{map, parts.size()}, entry_log2_{map.cells_log2}, range_{parts[map_.at(0, 0)].range} {
+        for (Layer& part : parts) {
             if (part.texture) range_ = range_of_either(range_, part.range);
+            parts_.push_back({CompositePart{std::move(part.texture)}, part.range});
+        }
     }
 
     Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
                                 LinearImage& out) const override {
         if (const auto family = only_family(region)) return part(*family).evaluate(region, budget, out);
-        if (region.level > entry_log2_) return evaluate_descending(*this, region, budget, out);
-        std::vector<float> bounds;
-        return compose(region, budget, out, bounds);
+        // Each texel one family's: only families that are composites themselves have to descend
+        return evaluate_descending(*this, region, budget, out);
     }
     Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
                                 Rgba8Image& out) const override {
@@ -36,40 +36,24 @@ class PixelMapTexture final : public Texture, private Composite {
     std::string description() const override {
         std::string text = "pixel map of " + std::to_string(std::int64_t{1} << entry_log2_) +
                            " texels an entry, " + std::to_string(map_.memory_bytes()) + " bytes";
-        for (const Layer& part : parts_)
-            if (part.texture) text += "; " + part.texture->description();
+        for (const Part& part : parts_)
+            if (part.is.texture() != nullptr) text += "; " + part.is.texture()->description();
         return text;
     }
     std::size_t memory_bytes() const noexcept override {
         std::size_t bytes = sizeof *this + map_.memory_bytes();
-        for (const Layer& part : parts_)
-            if (part.texture) bytes += part.texture->memory_bytes();
+        for (const Part& part : parts_)
+            if (part.is.texture() != nullptr) bytes += part.is.texture()->memory_bytes();
         return bytes;
     }
 
-  private:
-    const Texture& part(std::size_t family) const noexcept { return *parts_[family].texture; }
-    int parts() const noexcept override { return 2; }
-
-    Families families_in(const TexelRegion& region) const {
-        const int up = region.level - entry_log2_;
-        if (up >= 0) {
-            const std::int64_t side = std::int64_t{1} << up;
-            return map_.families_in(
-                {region.x * side, region.y * side, region.width * side, region.height * side});
-        }
-        const std::int64_t x = region.x >> -up, y = region.y >> -up;
-        return map_.families_in({x, y, ((region.x + region.width - 1) >> -up) - x + 1,
-                                 ((region.y + region.height - 1) >> -up) - y + 1});
+    /// Of the two families that most texels at a border show, the costlier ones.
+    int parts() const noexcept override {
+        int most = 1;
+        for (const Part& part : parts_)
+            if (part.is.texture() != nullptr) most = std::max(most, part.is.parts());
+        return 2 * most;
     }
-    std::optional<std::size_t> only_family(const TexelRegion& region) const {
-        const Families families = families_in(region);
-        if (families.count() != 1) return std::nullopt;
-        std::size_t family = 0;
-        while (!families.test(family)) ++family;
-        return family;
-    }
-
     Result<Evaluation> compose(const TexelRegion& region, const Budget& budget, LinearImage& out,
                                std::vector<float>& bounds) const override {
         const Families families = families_in(region);
@@ -98,6 +82,32 @@ class PixelMapTexture final : public Texture, private Composite {
         }
         sum.confidence = std::max(1 - doubt, 0.0);
         return sum;
+    }
+
+  private:
+    struct Part {
+        CompositePart is;
+        TexelRange range;
+    };
+    const Texture& part(std::size_t family) const noexcept { return *parts_[family].is.texture(); }
+
+    Families families_in(const TexelRegion& region) const {
+        const int up = region.level - entry_log2_;
+        if (up >= 0) {
+            const std::int64_t side = std::int64_t{1} << up;
+            return map_.families_in(
+                {region.x * side, region.y * side, region.width * side, region.height * side});
+        }
+        const std::int64_t x = region.x >> -up, y = region.y >> -up;
+        return map_.families_in({x, y, ((region.x + region.width - 1) >> -up) - x + 1,
+                                 ((region.y + region.height - 1) >> -up) - y + 1});
+    }
+    std::optional<std::size_t> only_family(const TexelRegion& region) const {
+        const Families families = families_in(region);
+        if (families.count() != 1) return std::nullopt;
+        std::size_t family = 0;
+        while (!families.test(family)) ++family;
+        return family;
     }
 
     /// How much of each texel shows the family.
@@ -132,16 +142,18 @@ class PixelMapTexture final : public Texture, private Composite {
         shown.width = right - left;
         shown.height = bottom - top;
         LinearImage image;
-        const auto one = part(family).evaluate(shown, budget, image);
+        std::vector<float> errors;
+        const auto one = parts_[family].is.evaluate(shown, budget, image, errors);
         if (!one) return one;
 
-        const auto error = static_cast<float>(one->bound_codes * code_in_linear);
         const TexelRange& range = parts_[family].range;
         std::array<ProductLimits, 4> products;
         for (std::size_t c = 0; c < 4; ++c) products[c] = {0, 1, range.least[c], range.most[c]};
         for (std::int32_t y = top; y < bottom; ++y) {
             const float* texel = image.row(y - top);
-            for (std::int32_t x = left; x < right; ++x, texel += 4) {
+            const float* errors_of = errors.data() + std::ptrdiff_t{y - top} * shown.width;
+            for (std::int32_t x = left; x < right; ++x, texel += 4, ++errors_of) {
+                const float error = *errors_of;
                 const auto i = static_cast<std::size_t>(y * region.width + x);
                 const float share = shares[i];
                 if (share == 0) continue;
@@ -162,7 +174,7 @@ class PixelMapTexture final : public Texture, private Composite {
 
     SparseMap map_;
     int entry_log2_;
-    std::vector<Layer> parts_;
+    std::vector<Part> parts_;
     TexelRange range_;
 };
 
