@@ -22,6 +22,7 @@ struct CellDraw {
     Generator generator = proto::Draw::automatic;
     std::uint64_t key = 0;    ///< Of its stream and grid.
     std::uint32_t count = 1;  ///< Draws 0 to count − 1.
+    std::uint32_t types = 0;  ///< Of the grid's quadtree, once it is known to be typed.
 };
 
 /// What a map on the grid gives, dithered or not.

@@ -119,6 +119,13 @@ Result<void> choose_generators(Compilation& c) {
         if (draw.generator == proto::Draw::automatic) draw.generator = proto::Draw::typed;
         switch (draw.generator) {
             case proto::Draw::typed:
+                if (grid.types > c.table_room)
+                    return c.error(
+                        node.block, "",
+                        "draws by types, of which all draws together have too many; give grids fewer "
+                        "types, or make draws independent");
+                c.table_room -= grid.types;
+                draw.types = grid.types;
                 if (grid.grid.quadtree == nullptr) {
                     if (++typed_grids > max_typed_grids)
                         return c.error(node.grid, "",
@@ -128,7 +135,7 @@ Result<void> choose_generators(Compilation& c) {
                         mix(c.seed ^ stream("grid " + grid.grid.name)), grid.types);
                     c.notes[node.grid] += ", " + std::to_string(grid.types) + " types";
                 }
-                node.op = make_typed_op(c.seed, draw, grid.types);
+                node.op = make_typed_op(c.seed, draw);
                 break;
             case proto::Draw::nested:
                 node.op = make_nested_op(c.seed, draw);
@@ -141,8 +148,9 @@ Result<void> choose_generators(Compilation& c) {
                 break;
         }
         std::string& note = c.notes[node.block];
-        note = std::string{generator_word(draw.generator)} + ", draws " + std::to_string(draw.count) +
-               (note.empty() ? "" : ", " + note);
+        note = std::string{generator_word(draw.generator)} +
+               (draw.types != 0 ? ", " + std::to_string(draw.types) + " types" : std::string{}) + ", draws " +
+               std::to_string(draw.count) + (note.empty() ? "" : ", " + note);
     }
     return {};
 }

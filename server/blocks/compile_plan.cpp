@@ -94,11 +94,21 @@ void write_lines(Compilation& c) {
 }
 
 /// Their programs, now that every draw has its op; and their grids, now that they have their quadtrees.
-void compile_references(Compilation& c) {
+Result<void> compile_references(Compilation& c) {
     const std::size_t zero = c.add_constant(0, true), one = c.add_constant(number_one, true);
     const auto nodes = std::make_shared<const std::vector<CellNode>>(std::move(c.nodes));
     for (const PendingReference& reference : c.references) {
         const GridBlock& grid = c.grids.at(reference.grid);
+        if (grid.grid.quadtree != nullptr) {
+            // A look and a pattern for each type
+            const std::size_t table = std::size_t{grid.types} * 4;
+            if (table > c.table_room)
+                return c.error(
+                    reference.block, "",
+                    "shows one look for each type, of which all textures together have too many; give "
+                    "grids fewer types, or make draws independent");
+            c.table_room -= table;
+        }
         auto& plan = std::get<ReferencePlan>(c.plan.textures[reference.texture].what);
         plan.grid = grid.grid;
         if (const TransformNodes* transform = reference.transform.get(); transform != nullptr)
@@ -110,6 +120,7 @@ void compile_references(Compilation& c) {
                 make_look_program(nodes, {reference.index, zero, zero, zero, one},
                                   {.scale_least = number_one, .scale_most = number_one}, grid.types);
     }
+    return {};
 }
 
 }  // namespace
@@ -124,7 +135,7 @@ Result<Plan> compile_plan(const proto::Pattern& message, BlockFiles& files) {
         if (auto compiled = compile_block(c, block); !compiled) return compiled.error();
     if (auto chosen = choose_generators(c); !chosen) return chosen.error();
     write_lines(c);
-    compile_references(c);
+    if (auto compiled = compile_references(c); !compiled) return compiled.error();
     return std::move(c.plan);
 }
 

@@ -17,9 +17,6 @@ std::shared_ptr<const CellOp> make_sigma_op(std::uint64_t seed, const CellDraw& 
 
 /// `typed`: the draw of each type, every alternative equally often over the types, to within one. Draws of
 /// one key are of one shuffle.
-std::shared_ptr<const CellOp> make_typed_op(std::uint64_t seed, const CellDraw& draw, std::uint32_t types);
-
-/// What a table gives for each type.
-std::shared_ptr<const CellOp> make_type_table_op(std::vector<std::int32_t> table);
+std::shared_ptr<const CellOp> make_typed_op(std::uint64_t seed, const CellDraw& draw);
 
 }  // namespace tessera

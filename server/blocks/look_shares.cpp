@@ -44,8 +44,7 @@ LookShares::LookShares(std::shared_ptr<const std::vector<CellNode>> nodes, std::
     }
 
     // What the leaves are
-    bool typed = false, drawn = false, other = false, draws_at_corners = false,
-         far_draws = false;
+    bool typed = false, drawn = false, other = false, draws_at_corners = false, far_draws = false;
     for (const Group& group : groups_) {
         other |= group.states > max_states;
         for (const CellSchedule::Leaf& leaf : group.schedule.leaves()) {
@@ -122,17 +121,14 @@ LookShares::Group LookShares::make_group(std::span<const int> parts) const {
             group.variables.begin(), group.variables.end(),
             [&](const Variable& variable) { return variable.same(draw, leaves[i].dx, leaves[i].dy); });
         if (found == group.variables.end()) {
-            group.variables.push_back({draw, leaves[i].dx, leaves[i].dy, 0, {}, {}, {}});
+            group.variables.push_back({draw, leaves[i].dx, leaves[i].dy, {}, {}, {}});
             found = group.variables.end() - 1;
         }
         found->leaves.push_back(i);
     }
     for (Variable& variable : group.variables) {
         if (variable.typed()) {
-            // The op tells of each type; its table's length is the number of types
-            variable.types = static_cast<std::uint32_t>(
-                (*nodes_)[leaves[variable.leaves.front()].node].op->memory_bytes() / sizeof(std::int32_t));
-            variable.weights.assign(variable.types, 1.0 / variable.types);
+            variable.weights.assign(variable.draw.types, 1.0 / variable.draw.types);
         } else {
             std::vector<std::uint32_t> counts;
             for (const std::size_t leaf : variable.leaves)
@@ -178,10 +174,10 @@ void LookShares::for_states(const Group& group, std::span<const std::int32_t> st
         if (!variable.typed()) continue;
         for (const std::size_t leaf : variable.leaves) {
             std::vector<std::int32_t>& draws = typed_draws[leaf];
-            draws.resize(variable.types);
+            draws.resize(variable.draw.types);
             std::vector<std::uint16_t> types(stretch_cells);
-            for (std::uint32_t first = 0; first < variable.types; first += stretch_cells) {
-                const auto count = std::min<std::uint32_t>(stretch_cells, variable.types - first);
+            for (std::uint32_t first = 0; first < variable.draw.types; first += stretch_cells) {
+                const auto count = std::min<std::uint32_t>(stretch_cells, variable.draw.types - first);
                 for (std::uint32_t i = 0; i < count; ++i) types[i] = static_cast<std::uint16_t>(first + i);
                 (*nodes_)[leaves[leaf].node].op->run(
                     {.count = static_cast<std::int32_t>(count), .types = types.data()}, nullptr,

@@ -36,7 +36,6 @@ class LookShares {
         int dx = 0, dy = 0;
         bool typed() const noexcept { return draw.generator == proto::Draw::typed; }
         bool same(const CellDraw& other, int x, int y) const noexcept;
-        std::uint32_t types = 0;
         std::vector<std::pair<std::uint32_t, std::uint32_t>>
             starts;  ///< Fractions k/n at which states begin.
         std::vector<double> weights;

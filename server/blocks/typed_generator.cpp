@@ -27,20 +27,16 @@ class TypeTableOp final : public CellOp {
 
 }  // namespace
 
-std::shared_ptr<const CellOp> make_type_table_op(std::vector<std::int32_t> table) {
-    return std::make_shared<TypeTableOp>(std::move(table));
-}
-
-std::shared_ptr<const CellOp> make_typed_op(std::uint64_t seed, const CellDraw& draw, std::uint32_t types) {
+std::shared_ptr<const CellOp> make_typed_op(std::uint64_t seed, const CellDraw& draw) {
     // A shuffle of the types (Fisher and Yates); the place of a type, scaled to the count, is its draw
-    std::vector<std::int32_t> places(types);
+    std::vector<std::int32_t> places(draw.types);
     std::iota(places.begin(), places.end(), 0);
-    for (std::uint32_t i = types - 1; i > 0; --i)
+    for (std::uint32_t i = draw.types - 1; i > 0; --i)
         std::swap(places[i], places[uniform_below(hash(seed, draw.key, i, 0), i + 1)]);
     for (std::int32_t& place : places)
-        place =
-            static_cast<std::int32_t>(std::uint64_t{static_cast<std::uint32_t>(place)} * draw.count / types);
-    return make_type_table_op(std::move(places));
+        place = static_cast<std::int32_t>(std::uint64_t{static_cast<std::uint32_t>(place)} * draw.count /
+                                          draw.types);
+    return std::make_shared<TypeTableOp>(std::move(places));
 }
 
 }  // namespace tessera

@@ -77,7 +77,7 @@ TEST(Plan, GivesEachBlockTheCoarsestRate) {
     EXPECT_EQ(line_of(*plan, "blink").rate, Rate::step);
     EXPECT_EQ(line_of(*plan, "twinkle").rate, Rate::cell);
     EXPECT_EQ(line_of(*plan, "index").rate, Rate::cell);
-    EXPECT_EQ(line_of(*plan, "index").note, "typed, draws 16");
+    EXPECT_EQ(line_of(*plan, "index").note, "typed, 4096 types, draws 16");
     EXPECT_EQ(line_of(*plan, "all").rate, Rate::texel);
     EXPECT_THAT(line_of(*plan, "grid").note, HasSubstr("4096 types"));
     ASSERT_EQ(plan->textures.size(), 5u);
@@ -134,7 +134,7 @@ TEST(Plan, DrawsAreIndependentWhereLooksVaryAndEverywhereThatTheySpread) {
     ASSERT_TRUE(plan) << plan.error().detail;
     EXPECT_EQ(line_of(*plan, "index").note, "independent, draws 4");
     EXPECT_THAT(line_of(*plan, "turn").note, HasSubstr("independent, draws 256"));
-    EXPECT_EQ(line_of(*plan, "other").note, "typed, draws 4");
+    EXPECT_EQ(line_of(*plan, "other").note, "typed, 4096 types, draws 4");
     const auto basis = [&](std::size_t i) {
         return std::get<ReferencePlan>(plan->textures[i].what).program->basis();
     };
