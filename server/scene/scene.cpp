@@ -22,14 +22,6 @@ Error invalid(const fs::path& file, const std::string& what) {
     return {ErrorCode::invalid_input, file.string() + ": " + what};
 }
 
-bool is_scene_id(std::string_view id) {
-    const auto allowed = [](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
-               c == '_' || c == '.';
-    };
-    return !id.empty() && id.size() <= 64 && id.front() != '.' && std::all_of(id.begin(), id.end(), allowed);
-}
-
 Result<std::string> read_text(const fs::path& file) {
     std::error_code failure;
     const auto bytes = fs::file_size(file, failure);
@@ -90,6 +82,14 @@ Result<ScenePtr> load_named(const fs::path& folder, const std::string& id) {
 }
 
 }  // namespace
+
+bool is_scene_id(std::string_view id) {
+    const auto allowed = [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+               c == '_' || c == '.';
+    };
+    return !id.empty() && id.size() <= 64 && id.front() != '.' && std::all_of(id.begin(), id.end(), allowed);
+}
 
 Result<ScenePtr> load_scene(const fs::path& folder) {
     std::error_code failure;

@@ -51,6 +51,9 @@ struct Scene {
 
 using ScenePtr = std::shared_ptr<const Scene>;
 
+/// Whether a scene's folder may have this name.
+bool is_scene_id(std::string_view id);
+
 /// Reads `folder`/scene.json and the assets it names, and compiles the texture. Errors: invalid_input,
 /// io_failure; the message names file, field and fix.
 Result<ScenePtr> load_scene(const std::filesystem::path& folder);

@@ -25,12 +25,12 @@ class LayerCells {
     LayerCells(SceneBuilder& builder, const TileLayer& layer) : builder_{builder}, layer_{layer} {}
 
     Result<void> place(std::int32_t first_x, std::int32_t first_y) {
+        if (std::max(std::abs(layer_.offset_x), std::abs(layer_.offset_y)) > (1 << 24))
+            return Error{ErrorCode::invalid_input, "layer \"" + layer_.name + "\": is moved too far"};
         const std::int64_t move_x = std::llround(layer_.offset_x), move_y = std::llround(layer_.offset_y);
         if (double(move_x) != layer_.offset_x || double(move_y) != layer_.offset_y)
             leave_out("is moved by parts of a texel; it is moved by (" + std::to_string(move_x) + ", " +
                       std::to_string(move_y) + ")");
-        if (std::max(std::abs(move_x), std::abs(move_y)) > (1 << 24))
-            return Error{ErrorCode::invalid_input, "layer \"" + layer_.name + "\": is moved too far"};
         for (std::int32_t y = 0; y < layer_.height; ++y)
             for (std::int32_t x = 0; x < layer_.width; ++x) {
                 const TileRef tile =

@@ -51,7 +51,9 @@ class MapReader {
         if (auto read = read_layers(root, {}); !read) return read.error();
         if (numbers_.error()) return *numbers_.error();
         if (map_.layers.empty())
-            return numbers_.wrong(root, "has no visible layer of tiles; a texture is made of these");
+            return numbers_.wrong(root,
+                                  "has no visible layer of tiles, of which textures are made" +
+                                      (map_.left_out.empty() ? "" : "; it has " + map_.left_out.front()));
         return std::move(map_);
     }
 

@@ -6,7 +6,8 @@ source "$(dirname "$0")/support.sh"
 while read -r script; do
     bash -n "$script" || wrong "$script: does not parse"
 done < <(files '*.sh' '.ci/run')
-for script in run.sh test.sh .ci/run docker/install.sh server/scenes/fetch_photos.sh; do
+for script in run.sh test.sh .ci/run docker/install.sh server/scenes/fetch_photos.sh \
+    server/tiled/fetch_maps.sh; do
     [[ -x $script ]] || wrong "$script: is not executable"
 done
 
@@ -34,6 +35,7 @@ expect 0 'usage: docker/install.sh' docker/install.sh --help
 expect 1 'unknown option' docker/install.sh --bogus
 expect 1 'cannot be read' docker/install.sh "$folder/no-list"
 expect 2 'usage:' server/scenes/fetch_photos.sh
+expect 2 'usage:' server/tiled/fetch_maps.sh
 printf 'bash\n\n# a comment\ncoreutils # and one here\n' >"$folder/list"
 expect 0 '' docker/install.sh "$folder/list"
 
@@ -41,6 +43,8 @@ expect 0 '' docker/install.sh "$folder/list"
 mkdir "$folder/photos"
 for photo in coffee stones maple-leaves leaf; do echo >"$folder/photos/$photo.jpg"; done
 expect 0 '' env PATH=/nowhere "$BASH" server/scenes/fetch_photos.sh "$folder/photos"
+mkdir "$folder/maps" && echo >"$folder/maps/desert.tmx"
+expect 0 '' env PATH=/nowhere "$BASH" server/tiled/fetch_maps.sh "$folder/maps"
 
 # Sample names that run.sh knows are those that there are
 names=$("$tessera" samples --output "$folder/scenes" --only nothing 2>&1 | sed 's/.*there are //')
