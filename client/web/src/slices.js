@@ -37,6 +37,7 @@ export class SliceControl {
   element = element(
     'fieldset',
     {class: 'panel slices', 'aria-label': 'Slice (comma and full stop)'},
+    element('span', {class: 'slice-label', 'aria-hidden': 'true', text: 'Slice'}),
     icon_button('Slice before (,)', 'minus', () => this.step(-1)),
     this.#slider,
     this.#number,

@@ -10,6 +10,7 @@
 #include <sys/wait.h>
 
 #include "server/scene/asset_file.h"
+#include "server/scene/image_file.h"
 #include "tests/support/synthetic_asset.h"
 #include "tests/support/synthetic_channels.h"
 #include "tests/support/temporary_folder.h"
@@ -142,6 +143,37 @@ TEST_F(BakeCommands, WriteTheChannelSetThatIsAskedFor) {
     EXPECT_EQ(absent.exit_code, 1);
     EXPECT_THAT(absent.output, HasSubstr("it has albedo, normal, height, moments"));
     EXPECT_FALSE(fs::exists(folder_ / "none.png"));
+}
+
+TEST_F(BakeCommands, WriteTheSliceThatIsAskedFor) {
+    fs::create_directory(folder_ / "volume");
+    tessera::StraightRgba8Image image{3, 1, {}};
+    for (const int grey : {0, 102, 204})
+        for (const int code : {grey, grey, grey, 255}) image.bytes.push_back(static_cast<std::uint8_t>(code));
+    ASSERT_TRUE(tessera::write_rgba_png(folder_ / "volume" / "slices.png", image));
+    write("volume/scene.json", R"({"extent_log2_pages": 2, "pattern": {"blocks": [
+        {"name": "cells", "virtual_tile_map": {"cell_texels": 1}},
+        {"name": "set", "pattern_set": {"image": "slices.png", "slices": 3}},
+        {"name": "unused", "virtual_random_map": {"grid": "cells"}},
+        {"name": "shown", "reference_texture": {"patterns": "set", "grid": "cells"}}],
+        "output": "shown"}})");
+    for (const auto& [slice, grey] : {std::pair{"0", 0}, {"1", 102}, {"5", 204}, {"-1", 204}}) {
+        ASSERT_EQ(run("page volume 0 1 2 -o page.png --slice " + std::string{slice}).exit_code, 0);
+        ASSERT_EQ(run("bake volume --region 0,0,64,64 -o part.tx --slice " + std::string{slice}).exit_code,
+                  0);
+        for (const char* name : {"page.png", "part.tx"}) {
+            OIIO::ImageSpec spec;
+            const auto values = pixels(name, spec, name[1] == 'a' && name[2] == 'r' ? 3 : 0);
+            ASSERT_FALSE(values.empty()) << name;
+            EXPECT_NEAR(values[0], grey / 255.0, 1e-4) << name << " " << slice;
+        }
+    }
+    const Outcome check = run("check volume");
+    EXPECT_THAT(check.output, HasSubstr("slices: 0 to 2, which repeat"));
+    EXPECT_THAT(check.output,
+                HasSubstr("unused  virtual_random_map  -      dropped: does not reach the output"));
+    EXPECT_THAT(check.output, HasSubstr("shown   reference_texture   texel"));
+    EXPECT_NE(run("page volume 0 1 2 -o page.png --slice 1.5").exit_code, 0);
 }
 
 struct Refusal {
