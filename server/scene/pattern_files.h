@@ -18,7 +18,8 @@ class PatternFiles final : public BlockFiles {
     static constexpr std::size_t max_bytes = std::size_t{1} << 30;
     static constexpr std::uint32_t max_side = 1024, max_slices = 1024, max_patterns = 65536;
 
-    explicit PatternFiles(std::filesystem::path folder) : folder_{std::move(folder)} {}
+    explicit PatternFiles(std::filesystem::path folder, std::size_t limit = max_bytes)
+        : folder_{std::move(folder)}, bytes_left_{limit} {}
 
     Result<PatternImages> read_patterns(const std::string& field, const proto::PatternSet& set) override;
     Result<StoredMap> read_map(const std::string& field, const std::string& image) override;
@@ -31,7 +32,7 @@ class PatternFiles final : public BlockFiles {
     std::int64_t texels_left(std::size_t bytes_each) const noexcept;
 
     const std::filesystem::path folder_;
-    std::size_t bytes_left_ = max_bytes;
+    std::size_t bytes_left_;
     std::size_t exchange_bytes_ = 0;
 };
 

@@ -355,14 +355,13 @@ TEST_F(PatternScenes, ASheetThatWouldExhaustMemoryIsRefusedUnread) {
 
     // Each is small enough; together they are too much
     proto::PatternSet set;
-    set.set_image("large.png");
-    set.set_side_texels(1024);
-    ASSERT_TRUE(write_label_png(scene_ / "large.png",
-                                {8192, 8192, std::vector<std::uint16_t>(std::size_t{1} << 26)}));
-    PatternFiles files{scene_};
-    for (int i = 0; i < 4; ++i) ASSERT_TRUE(files.read_map("map", "large.png")) << i;
+    set.set_image("patterns.png");
+    set.set_side_texels(16);
+    PatternFiles files{scene_, 3 * 4 * 16 + 4 * 32 * 32 - 1};
+    for (int i = 0; i < 3; ++i) ASSERT_TRUE(files.read_map("map", "map.png")) << i;
     const auto one_more = files.read_patterns("set", set);
     ASSERT_FALSE(one_more);
+    EXPECT_THAT(one_more.error().detail, StartsWith("set.image: "));
     EXPECT_THAT(one_more.error().detail, EndsWith("or name fewer images in the scene"));
 }
 
