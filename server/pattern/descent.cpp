@@ -16,7 +16,7 @@ int deepest(Accuracy accuracy, int parts, int level) {
     if (accuracy == Accuracy::fast) return 0;
     if (accuracy == Accuracy::high) return std::min(level, 2);
     int d = 0;
-    while (d < level && (std::int64_t{parts} << 2 * (d + 1)) <= 512) ++d;
+    while (d < level && (std::int64_t{parts} << 2 * (d + 1)) <= 256) ++d;
     return d;
 }
 

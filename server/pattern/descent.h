@@ -44,7 +44,7 @@ class CompositePart {
 
 /// Evaluates a composite, and where a block's bound is above half a code composes it d levels below and
 /// reduces: estimates of smaller texels are products of less. fast: d = 0; high: up to 2; exact: as deep as a
-/// certain half code needs, at most until a texel has cost 512 parts; not where a corner of
+/// certain half code needs, at most until a texel has cost 256 parts; not where a corner of
 /// the block shows that the bound would shrink by less than a fifth. Blocks lie on the level's lattice, so
 /// that a texel does not depend on the region that it was asked for in.
 Result<Evaluation> evaluate_descending(const Composite& composite, const TexelRegion& region,

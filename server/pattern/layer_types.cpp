@@ -21,10 +21,10 @@ class PatternTypes final : public TypeImages {
   public:
     explicit PatternTypes(const ReferencePlan& plan) : program_{plan.program}, mips_{*plan.patterns} {}
     void draw(std::uint16_t type, int level, std::int32_t slice, LinearImage& out) const override {
-        const std::uint32_t image = mips_.image(program_->look_of_type(type).pattern, slice);
+        const std::int32_t image = mips_.image(program_->look_of_type(type).pattern, slice);
         const std::int32_t side = std::int32_t{1} << (mips_.side_log2() - level);
         out.width = out.height = side;
-        const float* from = mips_.linear(level).row(static_cast<std::int32_t>(image) * side);
+        const float* from = mips_.linear(level).row(image * side);
         out.values.assign(from, from + std::ptrdiff_t{side} * side * 4);
     }
     std::int32_t slices() const noexcept override { return mips_.slices(); }

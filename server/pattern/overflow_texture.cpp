@@ -176,7 +176,8 @@ class OverflowTexture final : public PatternTexture, public Composite {
             const float alpha_most = std::min(texel[3] + error, 1.0F);
             for (std::size_t c = 0; c < 4; ++c) {
                 mean.least[c] = range_.straight_least[c] * alpha_least;
-                mean.most[c] = std::min(texel[c] + error, range_.straight_most[c] * alpha_most);
+                mean.most[c] = std::max(std::min(texel[c] + error, range_.straight_most[c] * alpha_most),
+                                        mean.least[c]);
                 mean.estimate[c] = std::clamp(texel[c] * shown_[c], mean.least[c], mean.most[c]);
                 texel[c] = mean.estimate[c];
             }
