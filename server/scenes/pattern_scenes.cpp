@@ -205,11 +205,13 @@ PaintedScene paint_leaves() {
     blocks.cells(128);
     blocks.index("which-floor", forest_floor_tiles);
     blocks.texture("floor", "floor-patterns", "which-floor");
-    blocks.transform("lower", {.least_scale = 0.42, .most_scale = 0.68});
-    blocks.transform("upper", {.least_scale = 0.42, .most_scale = 0.68});
-    blocks.texture("lower-leaves", "leaf", "", "lower");
-    blocks.texture("upper-leaves", "leaf", "", "upper");
-    blocks.layers({"floor", "lower-leaves", "upper-leaves"});
+    std::vector<std::string> layers{"floor"};
+    for (const std::string layer : {"lower", "middle", "upper"}) {
+        blocks.transform(layer, {.least_scale = 0.3, .most_scale = 0.5});
+        blocks.texture(layer + "-leaves", "leaf", "", layer);
+        layers.push_back(layer + "-leaves");
+    }
+    blocks.layers(layers);
     return painted;
 }
 
@@ -224,11 +226,11 @@ PaintedScene paint_autumn() {
     painted.files.push_back(map_file("areas.png", map_side, paint_leaf_map(map_side)));
     // Copper, red, orange, brown, yellow, gold, turning, pale; −1 is no leaf
     const std::vector<Mixture> materials{
-        {{-1, 30}, {0, 1}, {4, 1}},                                         // open lawn
-        {{-1, 10}, {4, 11}, {6, 6}, {7, 5}},                                // under a birch
-        {{-1, 6}, {1, 15}, {2, 9}, {0, 2}},                                 // under a maple
-        {{-1, 8}, {3, 16}, {0, 7}, {6, 1}},                                 // under an oak
-        {{-1, 2}, {0, 5}, {1, 5}, {2, 6}, {3, 5}, {4, 4}, {5, 3}, {6, 2}},  // a drift of all
+        {{-1, 28}, {0, 2}, {4, 2}},                                // open lawn
+        {{-1, 7}, {4, 13}, {6, 6}, {7, 6}},                        // under a birch
+        {{-1, 4}, {1, 16}, {2, 10}, {0, 2}},                       // under a maple
+        {{-1, 5}, {3, 17}, {0, 8}, {6, 2}},                        // under an oak
+        {{0, 6}, {1, 5}, {2, 6}, {3, 5}, {4, 4}, {5, 4}, {6, 2}},  // a drift of all
     };
     Blocks blocks{painted.scene};
     blocks.patterns("lawn-patterns", "lawn.png", 128, lawn_tiles);
@@ -237,7 +239,7 @@ PaintedScene paint_autumn() {
     blocks.index("which-lawn", lawn_tiles);
     blocks.texture("lawn", "lawn-patterns", "which-lawn");
     std::vector<std::string> layers{"lawn"};
-    for (const std::string layer : {"lower", "middle", "upper"}) {
+    for (const std::string layer : {"lower", "upper"}) {
         blocks.areas(layer + "-areas", "areas.png", 4);
         blocks.index(layer + "-draw", 32, proto::Draw::independent);
         proto::MaterialsMap& mixed = *blocks.add(layer + "-kind").mutable_materials_map();
@@ -245,7 +247,7 @@ PaintedScene paint_autumn() {
         mixed.mutable_index()->set_block(layer + "-draw");
         for (const Mixture& mixture : materials) fill(*mixed.add_materials(), mixture);
         blocks.transform(
-            layer, {.least_scale = 0.4, .most_scale = 0.66, .turns = 16, .scales = 2, .overflow = true});
+            layer, {.least_scale = 0.44, .most_scale = 0.7, .turns = 16, .scales = 2, .overflow = true});
         blocks.texture(layer + "-leaves", "leaf-patterns", layer + "-kind", layer);
         layers.push_back(layer + "-leaves");
     }

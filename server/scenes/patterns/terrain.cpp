@@ -212,7 +212,8 @@ std::vector<std::uint8_t> paint_land_map(std::int32_t side) {
             const double continent = fractal_noise(bu * 3, bv * 3, 1003, 8, 3);
             const double n = fractal_noise(bu * 6, bv * 6, 1004, 6, 6);
             const double range = (1 - 2.2 * std::abs(n)) * smooth_step(-0.05, 0.40, continent + 0.10);
-            const double height = continent + 0.55 * range;
+            const double crags = fractal_noise(bu * 40, bv * 40, 1006, 4, 40);
+            const double height = continent + 0.55 * range + 0.13 * crags;
             const double moist = fractal_noise(bu * 5, bv * 5, 1005, 7, 5);
             std::uint8_t family = sand;
             if (height > 0.08 + (-0.30) * moist && height > -0.02) family = forest;

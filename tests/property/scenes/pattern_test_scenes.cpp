@@ -104,11 +104,11 @@ std::vector<PatternTestScene> pattern_test_scenes() {
     return {
         // The samples
         {.name = "tiles", .is_exact = true},
-        {.name = "meadow-sand", .x = 5400, .y = 3300},
+        {.name = "meadow-sand", .largest_bound = 64, .x = 5400, .y = 3300},
         {.name = "leaves"},
-        {.name = "autumn", .x = 5000, .y = 5000},
-        {.name = "terrain", .x = 500000000, .y = 300000000},
-        {.name = "petals"},
+        {.name = "autumn", .largest_bound = 128, .x = 5000, .y = 5000, .side = 8},
+        {.name = "terrain", .largest_bound = 64, .x = 1069023232, .y = 1065877504},
+        {.name = "petals", .largest_bound = 64},
         {.name = "grove", .slice = 12},
         // Each generator
         {.name = "typed",
@@ -171,7 +171,8 @@ std::vector<PatternTestScene> pattern_test_scenes() {
              R"(, {"name": "tiles", "reference_texture": {"patterns": "set", "grid": "cells", "index": {"block": "which"}}},
              {"name": "red", "constant": {"red": 200, "green": 30, "blue": 20}}, {"name": "blue", "constant": {"red": 10, "green": 30, "blue": 220}},
              {"name": "mask", "pixel_map": {"image": "map.png", "textures": ["tiles", "red", "blue", "tiles"], "texels": 4}})"),
-         .largest_bound = 255},
+         .largest_bound = 255,
+         .side = 6},
         // Transforms, volumes, layers
         {.name = "instances",
          .json = pattern(grid_32 + ", " + clear + ", " + which + ", " + numbers + instances("false")),

@@ -18,6 +18,7 @@ struct PatternTestScene {
     double largest_bound = 0.51;      ///< In codes, of the accuracy "exact".
     std::int64_t x = 2048, y = 2048;  ///< Where it is looked at, in texels of level 0.
     std::int64_t slice = 0;
+    std::int32_t side = 32;  ///< Of the squares that are compared: less where a texel costs much.
 };
 std::vector<PatternTestScene> pattern_test_scenes();
 inline void PrintTo(const PatternTestScene& scene, std::ostream* out) { *out << scene.name; }
