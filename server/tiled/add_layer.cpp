@@ -79,6 +79,7 @@ class LayerCells {
         std::ranges::stable_sort(pieces_, {}, [](const Piece& piece) { return std::pair{piece.y, piece.x}; });
 
         std::map<std::vector<std::uint32_t>, std::int32_t> known;
+        std::vector<const std::vector<std::uint32_t>*> stacks;  // By pattern.
         for (std::size_t begin = 0; begin < pieces_.size();) {
             std::vector<std::uint32_t> stack;
             const Piece& cell = pieces_[begin];
@@ -87,16 +88,17 @@ class LayerCells {
                 stack.push_back(pieces_[begin].placed);
             const auto [found, is_new] = known.try_emplace(stack, out.count);
             if (is_new) {
-                if (++out.count > 65535)
-                    return Error{
-                        ErrorCode::invalid_input,
-                        "layer \"" + layer_.name + "\": has more than 65535 different cells; split it"};
-                std::vector<PlacedTile> tiles;
-                for (const std::uint32_t placed : stack) tiles.push_back(placed_[placed]);
-                builder_.painter.paint(tiles, layer_.opacity, layer_.tint, out.codes);
+                stacks.push_back(&found->first);
+                if (++out.count > builder_.most_patterns())
+                    return builder_.too_many_patterns("layer \"" + layer_.name + "\"");
             }
             out.patterns[std::size_t(cell.y - out.top) * std::size_t(width) +
                          std::size_t(cell.x - out.left)] = found->second;
+        }
+        for (const auto* const stack : stacks) {
+            std::vector<PlacedTile> tiles;
+            for (const std::uint32_t placed : *stack) tiles.push_back(placed_[placed]);
+            builder_.painter.paint(tiles, layer_.opacity, layer_.tint, out.codes);
         }
         return out;
     }

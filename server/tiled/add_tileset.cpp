@@ -49,6 +49,8 @@ class TilesetBlocks {
     bool has_room() const { return builder_.scene().scene.pattern().blocks_size() < 3900; }
 
     Result<void> paint() {
+        if (std::ssize(set_.tiles) > builder_.most_patterns())
+            return builder_.too_many_patterns("tileset \"" + set_.name + "\"");
         std::vector<std::uint8_t> codes;
         for (const auto& [tile, image] : set_.tiles) {
             patterns_[tile] = static_cast<std::int32_t>(patterns_.size());

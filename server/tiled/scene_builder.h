@@ -17,6 +17,10 @@ class SceneBuilder {
     /// A new block whose name is like `wish`, in the letters that blocks have.
     proto::Block& add_block(const std::string& wish);
 
+    /// As many patterns as one image holds, and a map can number.
+    std::int64_t most_patterns() const noexcept;
+    Error too_many_patterns(const std::string& whose) const;
+
     /// Adds a pattern set of these images, side² RGBA texels each, and its sheet. Error: invalid_input;
     /// `whose` they are begins the message.
     Result<std::string> add_patterns(const std::string& wish, const std::string& whose,

@@ -11,7 +11,8 @@ namespace tessera {
 namespace {
 
 constexpr std::int64_t max_sheet_side = 32768;
-constexpr std::int64_t max_sheet_texels = std::int64_t{1} << 26;
+constexpr std::int64_t max_sheet_texels = std::int64_t{1}
+                                          << 25;  ///< What a scene has room for when it is loaded.
 constexpr std::size_t longest_name = 48;
 
 std::string size_text(std::int64_t width, std::int64_t height) {
@@ -59,6 +60,19 @@ proto::Block& SceneBuilder::add_block(const std::string& wish) {
     return block;
 }
 
+std::int64_t SceneBuilder::most_patterns() const noexcept {
+    // A sheet that is nearly square has at most a row more than it needs
+    const std::int64_t side = painter.side(), in_a_row = max_sheet_side / side - 1;
+    return std::clamp<std::int64_t>(max_sheet_texels / (side * side), 1,
+                                    std::min<std::int64_t>(65535, in_a_row * in_a_row));
+}
+
+Error SceneBuilder::too_many_patterns(const std::string& whose) const {
+    return {ErrorCode::invalid_input, whose + " has more than " + std::to_string(most_patterns()) +
+                                          " different cells of " + size_text(painter.side(), painter.side()) +
+                                          " texels, as many as an image of patterns holds; split it"};
+}
+
 Result<std::string> SceneBuilder::add_patterns(const std::string& wish, const std::string& whose,
                                                const std::vector<std::uint8_t>& codes) {
     const std::int64_t side = painter.side();
@@ -66,11 +80,7 @@ Result<std::string> SceneBuilder::add_patterns(const std::string& wish, const st
     const std::int64_t columns = std::min<std::int64_t>(
         count, std::max<std::int64_t>(1, std::llround(std::ceil(std::sqrt(double(count))))));
     const std::int64_t rows = (count + columns - 1) / columns;
-    if (count > 65535 || columns * side > max_sheet_side || rows * side > max_sheet_side ||
-        columns * rows * side * side > max_sheet_texels)
-        return Error{ErrorCode::invalid_input, whose + " has " + std::to_string(count) +
-                                                   " different cells of " + size_text(side, side) +
-                                                   " texels, more than an image of patterns holds; split it"};
+    if (count > most_patterns()) return too_many_patterns(whose);
     proto::Block& block = add_block(wish);
     TiledScene::Sheet sheet{block.name() + ".png", {}};
     sheet.image.width = static_cast<std::int32_t>(columns * side);

@@ -259,6 +259,19 @@ TEST_F(MadeMap, WhatASceneCannotHoldIsListedAndWrittenBesideIt) {
                       HasSubstr("1 tiles have collision shapes")));
 }
 
+TEST_F(MadeMap, MoreDifferentCellsThanAnImageHoldsAreRefusedBeforeTheyArePainted) {
+    // Each cell moves on by half a tile, so that four tiles meet in it: many stacks of few large tiles
+    write_tiles("tiles.png", 4, 1, 512, 512);
+    std::vector<std::uint32_t> tiles;
+    for (std::uint32_t i = 0; i < 400; ++i) tiles.push_back(1 + (i * i / 7 + i / 3 + i * i * i / 11) % 4);
+    write("map.tmx", map_of(tileset(1, "tiles.png", 512),
+                            layer(tiles, 20, 20, "offsetx=\"256\" offsety=\"256\""), 20, 20, 512));
+    const auto scene = import("map.tmx");
+    ASSERT_FALSE(scene);
+    EXPECT_THAT(scene.error().detail,
+                HasSubstr("layer \"Ground\" has more than 128 different cells of 512×512 texels"));
+}
+
 TEST_F(MadeMap, TheSameMapGivesTheSameScene) {
     write_tiles("tiles.png", 4, 4, 8, 8);
     write("map.tmx", map_of(tileset(1, "tiles.png"), layer({3, 2, 1, 9}, 2, 2), 2, 2));
