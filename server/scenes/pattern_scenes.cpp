@@ -207,7 +207,7 @@ PaintedScene paint_leaves() {
     blocks.texture("floor", "floor-patterns", "which-floor");
     std::vector<std::string> layers{"floor"};
     for (const std::string layer : {"lower", "middle", "upper"}) {
-        blocks.transform(layer, {.least_scale = 0.3, .most_scale = 0.5});
+        blocks.transform(layer, {.least_scale = 0.26, .most_scale = 0.42});
         blocks.texture(layer + "-leaves", "leaf", "", layer);
         layers.push_back(layer + "-leaves");
     }
