@@ -1,7 +1,9 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
+#include <thread>
 #include <vector>
 
 #include "server/scenes/noise.h"
@@ -113,17 +115,7 @@ void Canvas::fill(F&& paint) {
 /// Lays one patterned square beside another, rows from the top, `columns` a row, on one sheet.
 Rgba8Image sheet_of(const std::vector<Rgba8Image>& patterns, std::int32_t columns);
 
-/// Runs paint(i) for i from 0 on, several at a time.
-template <typename F>
-std::vector<Rgba8Image> paint_all(std::int32_t count, F&& paint);
-
-}  // namespace tessera::painting
-
-#include <atomic>
-#include <thread>
-
-namespace tessera::painting {
-
+/// What paint(i) paints for i from 0 on; runs several at a time.
 template <typename F>
 std::vector<Rgba8Image> paint_all(std::int32_t count, F&& paint) {
     std::vector<Rgba8Image> painted(static_cast<std::size_t>(count));
