@@ -141,6 +141,24 @@ Result<std::size_t> Compilation::number(std::size_t block, std::string_view fiel
     return added;
 }
 
+Result<std::vector<std::size_t>> Compilation::shown(
+    std::size_t block, const google::protobuf::RepeatedPtrField<std::string>& names) {
+    std::vector<std::size_t> textures;
+    std::size_t weight = 1;
+    for (const std::string& name : names) {
+        const Compiled& part = blocks[named(name)];
+        textures.push_back(part.texture);
+        weight += part.weight;
+    }
+    if (weight > max_texture_weight)
+        return error(block, ".textures",
+                     "show " + std::to_string(weight) +
+                         " textures, those inside of others counted each time; at most " +
+                         std::to_string(max_texture_weight));
+    blocks[block].weight = weight;
+    return textures;
+}
+
 std::uint64_t Compilation::stream_key(std::size_t block, std::uint32_t asked, std::size_t grid) const {
     const std::uint64_t own = asked != 0 ? stream("pattern stream", asked)
                                          : stream("pattern block " + graph.blocks[block].message->name());

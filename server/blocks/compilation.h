@@ -48,7 +48,11 @@ struct Compiled {
     std::shared_ptr<const FrameLine> frames;
     std::shared_ptr<const TransformNodes> transform;
     std::size_t texture = no_block;  ///< In Plan::textures.
+    std::size_t weight = 1;          ///< Of a texture: itself and all it shows, as often as it shows them.
 };
+
+/// The most that a texture may weigh: what shows itself through many ways costs each of them.
+inline constexpr std::size_t max_texture_weight = 1024;
 
 struct GridBlock {
     Grid grid;
@@ -92,6 +96,10 @@ struct Compilation {
     /// The node of a number field, in steps of 2^-16; integers are turned into numbers.
     Result<std::size_t> number(std::size_t block, std::string_view field, const proto::Value& value,
                                double fallback, double least, double most);
+    /// The textures that `block`, a texture itself, shows, as indices of Plan::textures; notes its weight.
+    /// Error: it weighs more than max_texture_weight.
+    Result<std::vector<std::size_t>> shown(std::size_t block,
+                                           const google::protobuf::RepeatedPtrField<std::string>& names);
     /// The key of a block's stream on a grid.
     std::uint64_t stream_key(std::size_t block, std::uint32_t asked, std::size_t grid) const;
 

@@ -8,9 +8,9 @@ Result<void> compile_layers(Compilation& c, std::size_t block) {
     if (message.textures().empty() || message.textures_size() > 64)
         return c.error(block, ".textures",
                        "lists " + std::to_string(message.textures_size()) + " textures; from 1 to 64");
-    LayersPlan plan;
-    for (const std::string& name : message.textures())
-        plan.textures.push_back(c.blocks[c.named(name)].texture);
+    auto textures = c.shown(block, message.textures());
+    if (!textures) return textures.error();
+    LayersPlan plan{std::move(*textures)};
     c.notes[block] = std::to_string(plan.textures.size()) + " layers";
     c.blocks[block].texture = c.plan.textures.size();
     c.plan.textures.push_back({c.graph.blocks[block].message->name(), std::move(plan)});

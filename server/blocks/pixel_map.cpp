@@ -15,6 +15,8 @@ Result<void> compile_pixel_map(Compilation& c, std::size_t block) {
                        "is " + std::to_string(message.texels()) + "; a power of two from 1 to 4096");
     if (message.edge() != proto::ExplicitMap::wrap && message.edge() != proto::ExplicitMap::clamp)
         return c.error(block, ".edge", "is neither wrap nor clamp; what is outside needs a texture");
+    auto textures = c.shown(block, message.textures());
+    if (!textures) return textures.error();
     if (message.image().empty()) return c.error(block, ".image", "is missing; a file of one channel");
     auto map = c.files.read_map(c.graph.blocks[block].path + ".image", message.image());
     if (!map) return map.error();
@@ -35,8 +37,7 @@ Result<void> compile_pixel_map(Compilation& c, std::size_t block) {
                      std::to_string(1 << texels_log2) + " texels";
     PixelMapPlan plan;
     plan.map = std::make_shared<const StoredMap>(std::move(*map));
-    for (const std::string& name : message.textures())
-        plan.textures.push_back(c.blocks[c.named(name)].texture);
+    plan.textures = std::move(*textures);
     c.blocks[block].texture = c.plan.textures.size();
     c.plan.textures.push_back({c.graph.blocks[block].message->name(), std::move(plan)});
     return {};

@@ -166,8 +166,8 @@ std::size_t pattern_bytes(const Plan& plan) {
             bytes = bytes_of(*reference);
         else if (const auto* map = std::get_if<PixelMapPlan>(&texture.what))
             bytes = map->map->values.size() * 6 + (std::uint64_t{1} << 20);
-        else if (std::holds_alternative<LayersPlan>(texture.what))
-            bytes = std::uint64_t{32} << 20;
+        else if (const auto* layers = std::get_if<LayersPlan>(&texture.what))
+            bytes = layers->textures.size() > 1 ? std::uint64_t{32} << 20 : 0;
         if (bytes > std::numeric_limits<std::uint64_t>::max() - total)
             return std::numeric_limits<std::size_t>::max();
         total += bytes;

@@ -52,7 +52,7 @@ class PixelMapTexture final : public Texture, public Composite {
         int most = 1;
         for (const Part& part : parts_)
             if (part.is.texture() != nullptr) most = std::max(most, part.is.parts());
-        return 2 * most;
+        return std::min(2 * most, 1 << 20);  // Pixel maps may lie in pixel maps
     }
     Result<Evaluation> compose(const TexelRegion& region, const Budget& budget, LinearImage& out,
                                std::vector<float>& bounds) const override {

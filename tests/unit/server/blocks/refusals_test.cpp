@@ -114,6 +114,25 @@ TEST(Refusals, TenThousandBlocksAreTooManyAndALongChainIsNot) {
     EXPECT_THAT(refusal(pattern), AllOf(HasSubstr("closes a cycle, "), HasSubstr(" more … ")));
 }
 
+TEST(Refusals, TexturesThatShowOneAnotherThroughExponentiallyManyWays) {
+    for (const std::string kind : {"layers", "pixel_map"}) {
+        std::string blocks = R"({"name": "t0", "constant": {"red": 9}})";
+        for (int i = 1; i <= 40; ++i) {
+            const std::string below = "\"t" + std::to_string(i - 1) + "\"";
+            blocks += R"(, {"name": "t)" + std::to_string(i) + R"(", ")" + kind + R"(": {"textures": [)" +
+                      below + ", " + below + "]" + (kind == "pixel_map" ? R"(, "image": "map.png")" : "") +
+                      "}}";
+        }
+        TestFiles files;
+        files.maps["map.png"] = StoredMap{.width = 1, .height = 1, .values = {0}};
+        const auto plan = compile_plan(pattern_of(blocks), files);
+        ASSERT_FALSE(plan);
+        EXPECT_THAT(plan.error().detail,
+                    AllOf(HasSubstr("\"t10\".textures: show 2047 textures"), HasSubstr("at most 1024")))
+            << kind;
+    }
+}
+
 TEST(Refusals, InputsOnOtherGrids) {
     const std::string other = R"({"name": "other", "virtual_tile_map": {"cell_texels": 16}},
         {"name": "areas", "areas_map": {"grid": "other", "values": [0, 1], "width": 2}},)";
