@@ -51,7 +51,8 @@ class MapFolder : public testing::Test {
         const auto scene = load_scene(at("scene"));
         Rgba8Image out;
         EXPECT_TRUE(scene) << scene.error().detail;
-        if (scene) EXPECT_TRUE((*scene)->texture->evaluate(TexelRegion{0, x, y, width, height}, {}, out));
+        if (!scene) return out;
+        EXPECT_TRUE((*scene)->texture->evaluate(TexelRegion{0, x, y, width, height}, {}, out));
         return out;
     }
     static std::array<int, 4> texel(const Rgba8Image& image, int x, int y) {
