@@ -81,7 +81,7 @@ class TilesetBlocks {
     }
 
     /// These tiles, each as often as its probability says.
-    void fill(proto::Material& material, const std::vector<std::uint32_t>& tiles) const {
+    void fill(proto::Material& material, const std::vector<std::uint32_t>& tiles) {
         std::vector<double> shares;
         double sum = 0;
         for (const std::uint32_t tile : tiles) {
@@ -90,6 +90,7 @@ class TilesetBlocks {
             sum += shares.back();
         }
         if (sum <= 0) {
+            leave_out("all probabilities of a choice are 0; its tiles are equally likely");
             std::ranges::fill(shares, 1);
             sum = double(shares.size());
         }
