@@ -381,7 +381,7 @@ TEST_F(PatternScenes, TenThousandBlocksAreRefusedAndALongChainToo) {
     const auto long_one = load(with_blocks(chain));
     ASSERT_FALSE(long_one);
     EXPECT_THAT(long_one.error().detail,
-                HasSubstr("pattern.blocks[1024] \"b1024\".textures: show 1025 textures"));
+                HasSubstr("pattern.blocks[1026] \"b1024\".textures: show 1025 textures"));
 }
 
 TEST_F(PatternScenes, JsonThatIsTooDeepIsRefusedAndALargeMapIsNot) {
