@@ -12,11 +12,14 @@ constexpr float enough = static_cast<float>(0.5 * code_in_linear);
 /// Rounding of a few float operations on numbers of about 1, in codes.
 constexpr double rounding_codes = 1e-4;
 
+/// An exact texel costs at most so many parts' texels: a page of 256² takes up to about two seconds.
+constexpr std::int64_t most_exact_texels = 1536;
+
 int deepest(Accuracy accuracy, int parts, int level) {
     if (accuracy == Accuracy::fast) return 0;
     if (accuracy == Accuracy::high) return std::min(level, 2);
     int d = 0;
-    while (d < level && (std::int64_t{parts} << 2 * (d + 1)) <= 256) ++d;
+    while (d < level && (std::int64_t{parts} << 2 * (d + 1)) <= most_exact_texels) ++d;
     return d;
 }
 
