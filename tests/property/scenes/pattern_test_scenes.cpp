@@ -104,11 +104,11 @@ std::vector<PatternTestScene> pattern_test_scenes() {
     return {
         // The samples
         {.name = "tiles", .is_exact = true},
-        {.name = "meadow-sand", .largest_bound = 64, .x = 5400, .y = 3300},
+        {.name = "meadow-sand", .largest_bound = 31, .x = 5400, .y = 3300},
         {.name = "leaves"},
-        {.name = "autumn", .largest_bound = 128, .x = 5000, .y = 5000, .side = 8},
-        {.name = "terrain", .largest_bound = 64, .x = 1069023232, .y = 1065877504},
-        {.name = "petals", .largest_bound = 64},
+        {.name = "autumn", .largest_bound = 41, .x = 5000, .y = 5000, .side = 8},
+        {.name = "terrain", .largest_bound = 34, .x = 1069023232, .y = 1065877504},
+        {.name = "petals", .largest_bound = 24},
         {.name = "grove", .slice = 12},
         // Each generator
         {.name = "typed",
@@ -118,24 +118,21 @@ std::vector<PatternTestScene> pattern_test_scenes() {
         {.name = "independent",
          .json = tiling(
              R"({"name": "which", "virtual_indirection_map": {"grid": "cells", "count": 4, "generator": "independent"}})"),
-         .largest_bound = 128},
+         .largest_bound = 5},
         {.name = "nested",
          .json = tiling(
-             R"({"name": "which", "virtual_indirection_map": {"grid": "cells", "count": 4, "generator": "nested"}})"),
-         .largest_bound = 128},
+             R"({"name": "which", "virtual_indirection_map": {"grid": "cells", "count": 4, "generator": "nested"}})")},
         {.name = "sigma",
          .json = tiling(
              R"({"name": "which", "virtual_indirection_map": {"grid": "cells", "count": 4, "generator": "sigma"}})"),
-         .largest_bound = 255},
+         .largest_bound = 54},
         // Maps
         {.name = "explicit-indirection",
          .json = tiling(
-             R"({"name": "which", "explicit_indirection_map": {"grid": "cells", "image": "map.png"}})"),
-         .largest_bound = 255},
+             R"({"name": "which", "explicit_indirection_map": {"grid": "cells", "image": "map.png"}})")},
         {.name = "explicit-with-blank-outside",
          .json = tiling(
              R"({"name": "which", "explicit_indirection_map": {"grid": "cells", "values": [0, 1, 2, 3, -1, 2], "width": 3, "cells": 4, "edge": "blank"}})"),
-         .largest_bound = 255,
          .x = 200,
          .y = 300},
         {.name = "areas",
@@ -144,17 +141,17 @@ std::vector<PatternTestScene> pattern_test_scenes() {
              {"name": "which", "materials_map": {"material": {"block": "area"}, "index": {"block": "draw"}, "materials": [
                {"entries": [{"pattern": 0}, {"pattern": 1}]}, {"entries": [{"pattern": 2, "weight": 3}, {"pattern": -1}]},
                {"entries": [{"pattern": 3}]}, {"entries": [{"pattern": 0, "weight": 2}, {"pattern": 3, "weight": 2}]}]}})"),
-         .largest_bound = 255},
+         .largest_bound = 27},
         {.name = "dithered-along-x",
          .json = tiling(
              R"({"name": "which", "dithered_areas_map": {"areas": {"grid": "cells", "image": "map.png", "cells": 8, "edge": "clamp"}, "axes": "x_only"}})"),
-         .largest_bound = 255,
+         .largest_bound = 5.2,
          .x = 1000,
          .y = 1000},
         {.name = "dithered-nested",
          .json = tiling(
              R"({"name": "which", "dithered_areas_map": {"areas": {"grid": "cells", "image": "map.png", "cells": 8}, "generator": "nested"}})"),
-         .largest_bound = 255},
+         .largest_bound = 49},
         {.name = "probability",
          .json = tiling(R"({"name": "draw", "virtual_indirection_map": {"grid": "cells", "count": 8}},
              {"name": "which", "probability_map": {"index": {"block": "draw"}, "material": {"entries": [{"pattern": 1, "weight": 5}, {"pattern": 2}, {"pattern": -1, "weight": 2}]}}})"),
@@ -171,7 +168,7 @@ std::vector<PatternTestScene> pattern_test_scenes() {
              R"(, {"name": "tiles", "reference_texture": {"patterns": "set", "grid": "cells", "index": {"block": "which"}}},
              {"name": "red", "constant": {"red": 200, "green": 30, "blue": 20}}, {"name": "blue", "constant": {"red": 10, "green": 30, "blue": 220}},
              {"name": "mask", "pixel_map": {"image": "map.png", "textures": ["tiles", "red", "blue", "tiles"], "texels": 4}})"),
-         .largest_bound = 255,
+         .largest_bound = 90,
          .side = 6},
         // Transforms, volumes, layers
         {.name = "instances",
@@ -179,7 +176,7 @@ std::vector<PatternTestScene> pattern_test_scenes() {
          .is_exact = true},
         {.name = "instances-that-hang-over",
          .json = pattern(grid_32 + ", " + clear + ", " + which + ", " + numbers + instances("true")),
-         .largest_bound = 255},
+         .largest_bound = 29},
         {.name = "slices",
          .json = pattern(R"({"name": "cells", "virtual_tile_map": {"cell_texels": 32, "cell_slices": 4}},
              {"name": "set", "pattern_set": {"image": "opaque.png", "side_texels": 32, "slices": 2}},
@@ -196,7 +193,7 @@ std::vector<PatternTestScene> pattern_test_scenes() {
              {"name": "dots-which", "virtual_indirection_map": {"grid": "fine", "count": 4}},
              {"name": "dots", "reference_texture": {"patterns": "small", "grid": "fine", "index": {"block": "dots-which"}}},
              {"name": "layers", "layers": {"textures": ["tiles", "dots"]}})"),
-         .largest_bound = 255},
+         .largest_bound = 62},
     };
 }
 
