@@ -104,18 +104,12 @@ class DrawnInstances final : public PatternTexture {
 
     void draw_instance(const SummedArea& image, const Look& look, std::int64_t cell_x, std::int64_t cell_y,
                        const TexelRegion& region, LinearImage& out) const {
-        const int cell_log2 = plan_.grid.cell_log2;
-        const CellPlace place = place_in_cell(look, image.width(), cell_log2, false);
-        const std::int64_t side = std::int64_t{1} << cell_log2;
-        const std::int64_t left = cell_x * side + place.left, top = cell_y * side + place.top;
-        const TexelSpan columns = texels_met(left, image.width(), region.level);
-        const TexelSpan rows = texels_met(top, image.height(), region.level);
-        const std::int64_t from = std::max(columns.from, region.x);
-        const std::int64_t to = std::min(columns.to, region.x + region.width);
+        const MetInstance met =
+            met_of(region, look, image.width(), cell_x, cell_y, plan_.grid.cell_log2, false);
+        const auto [from, to] = met.columns;
         if (from >= to) return;
-        const std::int64_t bottom = std::min(rows.to, region.y + region.height);
-        for (std::int64_t y = std::max(rows.from, region.y); y < bottom; ++y)
-            instance_row(image, left, top, region.level, y, from, to,
+        for (std::int64_t y = met.rows.from; y < met.rows.to; ++y)
+            instance_row(image, met.left, met.top, region.level, y, from, to,
                          out.row(static_cast<std::int32_t>(y - region.y)) + (from - region.x) * 4);
     }
 

@@ -7,6 +7,7 @@
 #include "server/blocks/plan.h"
 #include "server/filter/summed_area.h"
 #include "server/pattern/look_means.h"
+#include "shared/page/page_key.h"
 
 namespace tessera {
 
@@ -73,6 +74,26 @@ struct TexelSpan {
 };
 inline TexelSpan texels_met(std::int64_t left, std::int32_t side, int level) noexcept {
     return {left >> level, ((left + side - 1) >> level) + 1};
+}
+
+/// Where an instance lies, in texels of level 0, and what it meets of a region, in texels of its level.
+struct MetInstance {
+    std::int64_t left = 0, top = 0;
+    TexelSpan columns, rows;  ///< Of the lattice; empty where from is not below to.
+};
+inline MetInstance met_of(const TexelRegion& region, const Look& look, std::int32_t side, std::int64_t cell_x,
+                          std::int64_t cell_y, int cell_log2, bool overflow) noexcept {
+    const CellPlace place = place_in_cell(look, side, cell_log2, overflow);
+    MetInstance met{cell_x * (std::int64_t{1} << cell_log2) + place.left,
+                    cell_y * (std::int64_t{1} << cell_log2) + place.top,
+                    {},
+                    {}};
+    const auto within = [](TexelSpan span, std::int64_t first, std::int32_t count) {
+        return TexelSpan{std::max(span.from, first), std::min(span.to, first + count)};
+    };
+    met.columns = within(texels_met(met.left, side, region.level), region.x, region.width);
+    met.rows = within(texels_met(met.top, side, region.level), region.y, region.height);
+    return met;
 }
 
 }  // namespace tessera

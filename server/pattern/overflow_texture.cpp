@@ -133,19 +133,13 @@ class OverflowTexture final : public PatternTexture, public Composite {
     void add_instance(const SummedArea& image, const Look& look, std::int64_t cell_x, std::int64_t cell_y,
                       const TexelRegion& region, const MeansOver& over, std::vector<float>& texels,
                       std::vector<KnownMeans>& means) const {
-        const int cell_log2 = plan_.grid.cell_log2;
-        const CellPlace place = place_in_cell(look, image.width(), cell_log2, true);
-        const std::int64_t side = std::int64_t{1} << cell_log2;
-        const std::int64_t left = cell_x * side + place.left, top = cell_y * side + place.top;
-        const TexelSpan columns = texels_met(left, image.width(), region.level);
-        const TexelSpan rows = texels_met(top, image.height(), region.level);
-        const std::int64_t from = std::max(columns.from, region.x);
-        const std::int64_t to = std::min(columns.to, region.x + region.width);
+        const MetInstance met =
+            met_of(region, look, image.width(), cell_x, cell_y, plan_.grid.cell_log2, true);
+        const auto [from, to] = met.columns;
         if (from >= to) return;
         texels.resize(static_cast<std::size_t>(to - from) * 4);
-        const std::int64_t bottom = std::min(rows.to, region.y + region.height);
-        for (std::int64_t y = std::max(rows.from, region.y); y < bottom; ++y) {
-            instance_row(image, left, top, region.level, y, from, to, texels.data());
+        for (std::int64_t y = met.rows.from; y < met.rows.to; ++y) {
+            instance_row(image, met.left, met.top, region.level, y, from, to, texels.data());
             KnownMeans* mean = means.data() + (y - region.y) * region.width + (from - region.x);
             for (const float* texel = texels.data(); texel != texels.data() + texels.size();
                  texel += 4, ++mean)
@@ -176,8 +170,8 @@ class OverflowTexture final : public PatternTexture, public Composite {
             const float alpha_most = std::min(texel[3] + error, 1.0F);
             for (std::size_t c = 0; c < 4; ++c) {
                 mean.least[c] = range_.straight_least[c] * alpha_least;
-                mean.most[c] = std::max(std::min(texel[c] + error, range_.straight_most[c] * alpha_most),
-                                        mean.least[c]);
+                mean.most[c] =
+                    std::max(std::min(texel[c] + error, range_.straight_most[c] * alpha_most), mean.least[c]);
                 mean.estimate[c] = std::clamp(texel[c] * shown_[c], mean.least[c], mean.most[c]);
                 texel[c] = mean.estimate[c];
             }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "server/pattern/cell_texture.h"
+#include "tests/property/pattern/evaluated_page.h"
 #include "tests/support/made_patterns.h"
 
 namespace tessera {
@@ -89,26 +90,14 @@ const std::vector<std::pair<std::string, std::string>>& graphs() {
     return all;
 }
 
-struct Page {
-    LinearImage texels;
-    Evaluation did;
-};
-Page page_of(const Texture& texture, const TexelRegion& region, Accuracy accuracy) {
-    Page page;
-    const auto did = texture.evaluate(region, {.accuracy = accuracy}, page.texels);
-    EXPECT_TRUE(did);
-    page.did = *did;
-    return page;
-}
-
 TEST(BlockLaws, APageIsTheReductionOfItsChildrenWithinTheStatedBounds) {
     for (const auto& [name, index] : graphs()) {
         const auto texture = texture_of(index, 1);
         for (const auto accuracy : {Accuracy::fast, Accuracy::high})
             for (std::uint8_t level = 1; level <= max_level; ++level) {
                 const TexelRegion region{level, -9, std::int64_t{1} << (34 - level), 24, 16, 0};
-                const Page page = page_of(*texture, region, accuracy);
-                const Page below = page_of(*texture, children_of(region), accuracy);
+                const EvaluatedPage page = page_of(*texture, region, accuracy);
+                const EvaluatedPage below = page_of(*texture, children_of(region), accuracy);
                 EXPECT_LE(difference_codes(page.texels, halved(below.texels)),
                           page.did.bound_codes + below.did.bound_codes)
                     << name << ", level " << int{level} << ", " << name_of(accuracy);
@@ -128,8 +117,8 @@ TEST(BlockLaws, NoTexelIsOutsideItsBoundOverManySeeds) {
             const auto texture = texture_of(index, seed);
             for (std::uint8_t level = 3; level <= 6; ++level) {  // texels of 2 to 16 cells a side
                 const TexelRegion region{level, std::int64_t(seed) * 64 - 300, -8, 16, 16, 0};
-                const Page drawn = page_of(*texture, region, Accuracy::exact);
-                const Page expected = page_of(*texture, region, Accuracy::fast);
+                const EvaluatedPage drawn = page_of(*texture, region, Accuracy::exact);
+                const EvaluatedPage expected = page_of(*texture, region, Accuracy::fast);
                 const double difference = difference_codes(drawn.texels, expected.texels);
                 ASSERT_LE(difference, expected.did.bound_codes + drawn.did.bound_codes)
                     << name << ", seed " << seed << ", level " << int{level};
@@ -145,7 +134,7 @@ TEST(BlockLaws, NestedDrawsHaveACertainBoundThatFallsFast) {
     const auto texture = texture_of(indirection("nested"), 1);
     double before = 1e9;
     for (std::uint8_t level = 6; level <= 11; ++level) {
-        const Page page = page_of(*texture, {level, 0, 0, 4, 4, 0}, Accuracy::fast);
+        const EvaluatedPage page = page_of(*texture, {level, 0, 0, 4, 4, 0}, Accuracy::fast);
         EXPECT_EQ(page.did.confidence, 1);
         EXPECT_LT(page.did.bound_codes, before / 3.5) << int{level};
         before = page.did.bound_codes;

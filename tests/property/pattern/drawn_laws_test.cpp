@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "server/pattern/cell_texture.h"
+#include "tests/property/pattern/evaluated_page.h"
 #include "tests/support/made_areas.h"
 
 namespace tessera {
@@ -32,26 +33,14 @@ std::vector<std::int32_t> choice(std::span<const std::int32_t> states) {
     return {mixed % 8, (mixed * 5 + 1) % 8};
 }
 
-struct Page {
-    LinearImage texels;
-    Evaluation did;
-};
-Page page_of(const Texture& texture, const TexelRegion& region, Accuracy accuracy) {
-    Page page;
-    const auto did = texture.evaluate(region, {.accuracy = accuracy}, page.texels);
-    EXPECT_TRUE(did);
-    page.did = *did;
-    return page;
-}
-
-/// Page = reduction of its children, within the two stated bounds; up to the cell and while cells are summed,
-/// exactly.
+/// A page = reduction of its children, within the two stated bounds; up to the cell and while cells
+/// are summed, exactly.
 void expect_reduction(const Texture& texture, int cell_log2, const std::string& name) {
     for (const auto accuracy : accuracies)
         for (std::uint8_t level = 1; level <= 16; ++level) {
             const TexelRegion region{level, -9, 1000, 24, 16, 0};
-            const Page page = page_of(texture, region, accuracy);
-            const Page below = page_of(texture, children_of(region), accuracy);
+            const EvaluatedPage page = page_of(texture, region, accuracy);
+            const EvaluatedPage below = page_of(texture, children_of(region), accuracy);
             const double difference = difference_codes(page.texels, halved(below.texels));
             const int summed = accuracy == Accuracy::exact ? 4 : accuracy == Accuracy::high ? 3 : 0;
             const bool same_regime = page.did.method != "sampled" &&
@@ -97,8 +86,8 @@ TEST(DrawnLaws, WhatIsDrawnIsWithinTheStatedBound) {
         for (const Texture* texture : {varying.get(), stationary.get()})
             for (std::uint8_t level = 2; level <= 4; ++level) {
                 const TexelRegion region{level, std::int64_t(seed) * 100 - 300, 77, 16, 16, 0};
-                const Page drawn = page_of(*texture, region, Accuracy::exact);
-                const Page expected = page_of(*texture, region, Accuracy::fast);
+                const EvaluatedPage drawn = page_of(*texture, region, Accuracy::exact);
+                const EvaluatedPage expected = page_of(*texture, region, Accuracy::fast);
                 ASSERT_EQ(drawn.did.method, "cells");
                 ASSERT_EQ(expected.did.method, "expectation");
                 if (level == 4) {
@@ -118,8 +107,8 @@ TEST(DrawnLaws, TheStepBetweenTheTwoRegimesIsBelowTheBound) {
     for (const auto accuracy : {Accuracy::high, Accuracy::exact}) {
         const auto first = static_cast<std::uint8_t>(2 + (accuracy == Accuracy::high ? 3 : 4) + 1);
         const TexelRegion region{first, -40, 12, 64, 64, 0};
-        const Page page = page_of(*texture, region, accuracy);
-        const Page below = page_of(*texture, children_of(region), accuracy);
+        const EvaluatedPage page = page_of(*texture, region, accuracy);
+        const EvaluatedPage below = page_of(*texture, children_of(region), accuracy);
         EXPECT_EQ(page.did.method, "expectation");
         EXPECT_EQ(below.did.method, "cells");
         EXPECT_LT(difference_codes(page.texels, halved(below.texels)), page.did.bound_codes);

@@ -152,12 +152,7 @@ TEST(Dithering, AlongOneAxisTakesTheEntryThatTheCellLiesInAlongTheOther) {
 }
 
 TEST(Transitions, BorderedTilesSeeWhereTheFamilyBegins) {
-    std::string combinations;
-    for (int i = 0; i < 16; ++i)
-        combinations += std::string{i == 0 ? "" : ","} + R"({"corners": [)" + std::to_string(i & 1) + "," +
-                        std::to_string(i >> 1 & 1) + "," + std::to_string(i >> 2 & 1) + "," +
-                        std::to_string(i >> 3 & 1) + R"(], "patterns": {"entries": [{"pattern": )" +
-                        std::to_string(i == 0 ? -1 : i) + "}]}}";
+    const std::string combinations = sixteen_combinations([](int i) { return int{i == 0 ? -1 : i}; });
     const Plan plan =
         show(R"({"name": "areas", "areas_map": {"grid": "grid", "width": 4, "values": [0,1,2,1, 2,2,0,0]}},
         {"name": "x", "transition_tiles": {"material": {"block": "areas"}, "families": 3, "family": 2, "combinations": [)" +
@@ -174,12 +169,7 @@ TEST(Transitions, BorderedTilesSeeWhereTheFamilyBegins) {
 }
 
 TEST(Transitions, OfTransitionsReadCornersOfCorners) {
-    std::string combinations;
-    for (int i = 0; i < 16; ++i)
-        combinations += std::string{i == 0 ? "" : ","} + R"({"corners": [)" + std::to_string(i & 1) + "," +
-                        std::to_string(i >> 1 & 1) + "," + std::to_string(i >> 2 & 1) + "," +
-                        std::to_string(i >> 3 & 1) + R"(], "patterns": {"entries": [{"pattern": )" +
-                        std::to_string(i == 15) + "}]}}";
+    const std::string combinations = sixteen_combinations([](int i) { return int{i == 15}; });
     const auto chain = [&](int length) {
         std::string blocks = R"({"name": "a0", "virtual_indirection_map": {"grid": "grid", "count": 2}})";
         for (int i = 1; i <= length; ++i)
@@ -282,12 +272,7 @@ TEST(Volumes, LayersOfCellsDrawByThemselves) {
 }
 
 TEST(Rows, AreTheSameWhetherOrNotTheRowAboveWasAskedBefore) {
-    std::string combinations;
-    for (int i = 0; i < 16; ++i)
-        combinations += std::string{i == 0 ? "" : ","} + R"({"corners": [)" + std::to_string(i & 1) + "," +
-                        std::to_string(i >> 1 & 1) + "," + std::to_string(i >> 2 & 1) + "," +
-                        std::to_string(i >> 3 & 1) + R"(], "patterns": {"entries": [{"pattern": )" +
-                        std::to_string(i) + "}]}}";
+    const std::string combinations = sixteen_combinations([](int i) { return int{i}; });
     const Plan plan = show(R"({"name": "areas", "dithered_areas_map": {"areas": {"grid": "grid", "width": 2,
           "values": [0, 1, 1, 0], "cells": 32}}},
         {"name": "x", "transition_tiles": {"families": 2, "material": {"block": "areas"}, "combinations": [)" +

@@ -28,12 +28,7 @@ TEST(CompilePlan, MakesABasicAperiodicTilingTyped) {
 }
 
 TEST(CompilePlan, FollowsDitheredMaterialsThroughTransitionTiles) {
-    std::string combinations;
-    for (int i = 0; i < 16; ++i)
-        combinations += std::string{i == 0 ? "" : ","} + R"({"corners": [)" + std::to_string(i & 1) + "," +
-                        std::to_string(i >> 1 & 1) + "," + std::to_string(i >> 2 & 1) + "," +
-                        std::to_string(i >> 3 & 1) + R"(], "patterns": {"entries": [{"pattern": )" +
-                        std::to_string(i) + "}]}}";
+    const std::string combinations = sixteen_combinations([](int i) { return int{i}; });
     const auto plan = plan_of(R"(
       {"name": "set", "pattern_set": {"image": "a.png", "side_texels": 8}},
       {"name": "grid", "virtual_tile_map": {"cell_texels": 8}},

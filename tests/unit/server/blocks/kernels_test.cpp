@@ -12,7 +12,7 @@ class BlockKernelsTest : public testing::TestWithParam<const char*> {
   protected:
     void SetUp() override {
         kernels = block_kernels_of(GetParam());
-        if (kernels == nullptr) GTEST_SKIP() << "this processor does not run " << GetParam();
+        if (kernels == nullptr) GTEST_SKIP() << "NOT TRIED: this processor does not run " << GetParam();
     }
     const BlockKernels* kernels = nullptr;
     std::mt19937_64 random{11};

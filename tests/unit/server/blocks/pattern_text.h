@@ -63,4 +63,16 @@ inline const ReferencePlan& reference_of(const Plan& plan) {
     return *last;
 }
 
+/// The combinations of two families at four corners; bit k of a combination is corner k.
+template <class PatternOf>
+std::string sixteen_combinations(const PatternOf& pattern_of_combination) {
+    std::string all;
+    for (int i = 0; i < 16; ++i)
+        all += std::string{i == 0 ? "" : ","} + R"({"corners": [)" + std::to_string(i & 1) + "," +
+               std::to_string(i >> 1 & 1) + "," + std::to_string(i >> 2 & 1) + "," +
+               std::to_string(i >> 3 & 1) + R"(], "patterns": {"entries": [{"pattern": )" +
+               std::to_string(pattern_of_combination(i)) + "}]}}";
+    return all;
+}
+
 }  // namespace tessera

@@ -14,8 +14,8 @@ class SampleMaps : public test::MapFolder {
     void SetUp() override {
         if (!fs::exists(maps / "desert.tmx") &&
             std::system((std::string{TESSERA_FETCH_MAPS} + " '" + maps.string() + "'").c_str()) != 0)
-            GTEST_SKIP() << "the sample maps could not be fetched: run server/tiled/fetch_maps.sh " << maps
-                         << " where Debian's packages can be had";
+            GTEST_SKIP() << "NOT TRIED: the sample maps could not be fetched: run server/tiled/fetch_maps.sh "
+                         << maps << " where Debian's packages can be had";
     }
     Result<TiledScene> import_sample(const std::string& map) const {
         SilentProgress progress;
