@@ -73,7 +73,7 @@ std::vector<Camera> generated_flight(Extent extent, const std::vector<LevelWeigh
         // Glide forward by half the height a second, but stay over the extent
         const double heading = camera.yaw_degrees * std::numbers::pi / 180;
         const double step = 0.5 * camera.height_texels / frames_per_second;
-        TexelPoint ground = camera.ground.moved(step * std::sin(heading), -step * std::cos(heading));
+        PlanePoint ground = camera.ground.moved(step * std::sin(heading), -step * std::cos(heading));
         ground.x = std::clamp<std::int64_t>(ground.x, 0, side - 1);
         ground.y = std::clamp<std::int64_t>(ground.y, 0, side - 1);
         camera.ground = ground;

@@ -47,7 +47,7 @@ void put(float (&target)[4], const Vector3& v, double scale) {
     target[3] = 0;
 }
 
-LevelOrigin origin_of(const TexelPoint& centre, int level) {
+LevelOrigin origin_of(const PlanePoint& centre, int level) {
     const std::int64_t page_side = std::int64_t{page_side_texels} << level;
     const auto offset = [&](std::int64_t texel, double fraction) {
         return static_cast<float>((static_cast<double>(texel & (page_side - 1)) + fraction) *
@@ -60,7 +60,7 @@ LevelOrigin origin_of(const TexelPoint& centre, int level) {
 
 FrameBlock block_of(const PlaneView& view, Extent extent, int window_side, const PlaneStyle& style) {
     FrameBlock block{};
-    const TexelPoint &eye = view.camera().ground, low{},
+    const PlanePoint &eye = view.camera().ground, low{},
                      high{extent.side_texels(), extent.side_texels(), 0, 0};
     put(block.forward, view.forward(), 1);
     put(block.right, view.right(), view.tangent_x());

@@ -93,7 +93,7 @@ class Walk {
     }
 
     Polygon square_of(PageKey key) const {
-        const TexelPoint& eye = view_.camera().ground;
+        const PlanePoint& eye = view_.camera().ground;
         const std::int64_t side = std::int64_t{page_side_texels} << key.level;
         const double left = static_cast<double>(key.x * side - eye.x) - eye.fraction_x;
         const double top = static_cast<double>(key.y * side - eye.y) - eye.fraction_y;

@@ -15,7 +15,7 @@ Residency::Residency(Extent extent, PageSource& source, const ResidencySettings&
       requests_{source, settings.requests} {}
 
 ResidencyFrame Residency::update(const PlaneView& view, ClientTime now) {
-    const TexelPoint& centre = view.camera().ground;
+    const PlanePoint& centre = view.camera().ground;
     table_.move_to(centre.x, centre.y);
     cache_.begin_frame();
 

@@ -71,7 +71,7 @@ void CameraControl::orbit(double yaw_degrees, double pitch_degrees) {
     const double pitch = std::min(camera_.pitch_degrees, -3.0) * degree, yaw = camera_.yaw_degrees * degree;
     const double distance = camera_.height_texels / -std::sin(pitch);
     const double ahead = distance * std::cos(pitch);
-    const TexelPoint centre = camera_.ground.moved(ahead * std::sin(yaw), -ahead * std::cos(yaw));
+    const PlanePoint centre = camera_.ground.moved(ahead * std::sin(yaw), -ahead * std::cos(yaw));
     look(yaw_degrees, pitch_degrees);
     camera_.pitch_degrees = std::min(camera_.pitch_degrees, -3.0);
     const double new_pitch = camera_.pitch_degrees * degree, new_yaw = camera_.yaw_degrees * degree;

@@ -45,7 +45,7 @@ class CameraControl {
     Extent extent_;
     double forwards_ = 0, sideways_ = 0, upwards_ = 0;  ///< Speeds, in heights (or doublings) a second
     double zoom_left_ = 0;                              ///< Of the zoom that has begun: log2 of height factor
-    std::optional<TexelPoint> zoom_target_;
+    std::optional<PlanePoint> zoom_target_;
 };
 
 }  // namespace tessera

@@ -13,7 +13,7 @@ std::optional<CursorReading> read_cursor(const PlaneView& view, const Residency&
     if (!ground || std::abs(ground->x) > side || std::abs(ground->y) > side) return std::nullopt;
     CursorReading reading;
     reading.texel = view.camera().ground.moved(ground->x, ground->y);
-    const TexelPoint& at = reading.texel;
+    const PlanePoint& at = reading.texel;
     if (at.x < 0 || at.y < 0 || at.x >= extent.side_texels() || at.y >= extent.side_texels())
         return std::nullopt;
     reading.level = std::clamp(view.level_at(x, y) + lod_bias, 0.0, static_cast<double>(extent.n));

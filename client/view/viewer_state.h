@@ -43,7 +43,7 @@ class FrameTimes {
 
 /// What lies under the cursor.
 struct CursorReading {
-    TexelPoint texel{};
+    PlanePoint texel{};
     double level = 0;  ///< As filtered: fractional, 0 to n
     PageKey page;      ///< Of the nearest level
     std::optional<ShownPage> shown;

@@ -61,7 +61,7 @@ class Oracle {
         const bool shows_nothing = name == 0 && pixel[3] == 0;
         if (!ground || std::abs(ground->x) > 1e17 || std::abs(ground->y) > 1e17) return shows_nothing;
         const Extent extent = residency_.extent();
-        const TexelPoint at = view_.camera().ground.moved(ground->x, ground->y);
+        const PlanePoint at = view_.camera().ground.moved(ground->x, ground->y);
         const std::int64_t side = extent.side_texels();
         if (at.x < 0 || at.y < 0 || at.x >= side || at.y >= side) return shows_nothing;
 
@@ -86,7 +86,7 @@ class Oracle {
         };
         return is_block(column, pixel[3] % 16) && is_block(row, pixel[3] / 16);
     }
-    static PageKey key(std::uint8_t level, const TexelPoint& at) {
+    static PageKey key(std::uint8_t level, const PlanePoint& at) {
         return {level, static_cast<std::uint32_t>(at.x >> (8 + level)),
                 static_cast<std::uint32_t>(at.y >> (8 + level))};
     }
@@ -114,12 +114,12 @@ void fly(Offscreen& offscreen, unsigned seed, int frames, Tally& tally) {
         if (frame % 25 == 0) {  // a leap to anywhere, also to the corners
             const double x = frame == 25 ? 0 : frame == 50 ? side - 1 : uniform(0, side - 1);
             camera.ground =
-                TexelPoint{}.moved(std::floor(x), std::floor(uniform(0, side - 1))).moved(uniform(0, 1), 0.3);
+                PlanePoint{}.moved(std::floor(x), std::floor(uniform(0, side - 1))).moved(uniform(0, 1), 0.3);
             camera.height_texels = std::exp2(uniform(6, 14));
             camera.pitch_degrees = uniform(-90, 3);
         }
         const double stride = camera.height_texels / 4;
-        const TexelPoint moved = camera.ground.moved(uniform(-stride, stride), uniform(-stride, stride));
+        const PlanePoint moved = camera.ground.moved(uniform(-stride, stride), uniform(-stride, stride));
         if (moved.x >= 0 && moved.y >= 0 && moved.x < extent.side_texels() && moved.y < extent.side_texels())
             camera.ground = moved;
         camera.yaw_degrees += uniform(-20, 20);

@@ -65,7 +65,7 @@ class RayCaster {
 
   private:
     Rgb bilinear(int level, const std::array<double, 2>& ground) const {
-        const TexelPoint eye = camera_.ground;
+        const PlanePoint eye = camera_.ground;
         const std::int64_t side = std::int64_t{1} << level;
         const auto split = [&](std::int64_t whole, double fraction, double offset) {
             const double within =

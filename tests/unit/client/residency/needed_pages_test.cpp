@@ -14,12 +14,12 @@ namespace {
 std::set<PageKey> sampled_pages(const PlaneView& view, Extent extent, double bias) {
     std::set<PageKey> pages;
     PageKey last[2];  // neighbouring pixels mostly sample the same pages
-    const TexelPoint& eye = view.camera().ground;
+    const PlanePoint& eye = view.camera().ground;
     for (int y = 0; y < view.height(); ++y) {
         for (int x = 0; x < view.width(); ++x) {
             const auto ground = view.ground_at(x + 0.5, y + 0.5);
             if (!ground || std::abs(ground->x) > 1e15 || std::abs(ground->y) > 1e15) continue;
-            const TexelPoint at = eye.moved(ground->x, ground->y);
+            const PlanePoint at = eye.moved(ground->x, ground->y);
             if (at.x < 0 || at.y < 0 || at.x >= extent.side_texels() || at.y >= extent.side_texels())
                 continue;
             const double level =
@@ -43,7 +43,7 @@ Camera random_camera(std::mt19937_64& random, Extent extent) {
     };
     Camera camera;
     const auto side = static_cast<double>(extent.side_texels());
-    camera.ground = TexelPoint{}.moved(uniform(0, side - 1), uniform(0, side - 1));
+    camera.ground = PlanePoint{}.moved(uniform(0, side - 1), uniform(0, side - 1));
     camera.height_texels = std::exp2(uniform(5, 14));
     camera.yaw_degrees = uniform(0, 360);
     camera.pitch_degrees = uniform(-90, 5);

@@ -47,10 +47,10 @@ TEST(PlaneView, ItsLevelIsThatOfNumericalDerivatives) {
     }
 }
 
-TEST(TexelPoint, MovesAcrossWholeTexelsWithoutLosingItsFraction) {
+TEST(PlanePoint, MovesAcrossWholeTexelsWithoutLosingItsFraction) {
     const std::int64_t far = std::int64_t{1} << 37;
-    const TexelPoint p = TexelPoint{far, -far, 0.75, 0.25}.moved(0.5, -0.5);
-    EXPECT_EQ(p, (TexelPoint{far + 1, -far - 1, 0.25, 0.75}));
+    const PlanePoint p = PlanePoint{far, -far, 0.75, 0.25}.moved(0.5, -0.5);
+    EXPECT_EQ(p, (PlanePoint{far + 1, -far - 1, 0.25, 0.75}));
     EXPECT_DOUBLE_EQ(distance_x({far, 0, 0.75, 0}, p), 0.5);
 }
 

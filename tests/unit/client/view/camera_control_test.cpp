@@ -13,7 +13,7 @@ CameraControl control_at(std::int64_t place, double pitch = -40) {
         Extent{30}};
 }
 
-TexelPoint under(const CameraControl& control, double x, double y) {
+PlanePoint under(const CameraControl& control, double x, double y) {
     const PlaneView view{control.camera(), width, height};
     const auto ground = view.ground_at(x, y);
     return control.camera().ground.moved(ground->x, ground->y);
@@ -21,16 +21,16 @@ TexelPoint under(const CameraControl& control, double x, double y) {
 
 TEST(CameraControl, DragsThePlaneWithTheCursorAlsoFarFromTheOrigin) {
     CameraControl control = control_at(std::int64_t{1} << 37);
-    const TexelPoint held = under(control, 300, 400);
+    const PlanePoint held = under(control, 300, 400);
     control.drag_plane(width, height, 300, 400, 420, 330);
-    const TexelPoint now = under(control, 420, 330);
+    const PlanePoint now = under(control, 420, 330);
     EXPECT_NEAR(distance_x(held, now), 0, 1e-6);
     EXPECT_NEAR(distance_y(held, now), 0, 1e-6);
 }
 
 TEST(CameraControl, ZoomsToThePointUnderTheCursorWhichStaysThere) {
     CameraControl control = control_at(1 << 25);
-    const TexelPoint target = under(control, 500, 450);
+    const PlanePoint target = under(control, 500, 450);
     control.zoom_at(width, height, 500, 450, 4);
     for (int frame = 0; frame < 120; ++frame) control.advance(1 / 60.0, {});
     EXPECT_NEAR(control.camera().height_texels, 400 * std::exp2(-1.2), 1);
@@ -40,7 +40,7 @@ TEST(CameraControl, ZoomsToThePointUnderTheCursorWhichStaysThere) {
 
 TEST(CameraControl, OrbitsAroundTheMiddleOfThePicture) {
     CameraControl control = control_at(1 << 25);
-    const TexelPoint centre = under(control, width / 2.0, height / 2.0);
+    const PlanePoint centre = under(control, width / 2.0, height / 2.0);
     control.orbit(70, -20);
     EXPECT_NEAR(control.camera().yaw_degrees, 100, 1e-9);
     EXPECT_NEAR(control.camera().pitch_degrees, -60, 1e-9);
@@ -52,11 +52,11 @@ TEST(CameraControl, FliesAlongItsHeadingAndComesToRest) {
     CameraControl control{{.ground = {1 << 25, 1 << 25, 0, 0}, .height_texels = 100, .yaw_degrees = 90},
                           Extent{30}};
     for (int frame = 0; frame < 60; ++frame) control.advance(1 / 60.0, {.forwards = 1});
-    const TexelPoint there = control.camera().ground;
+    const PlanePoint there = control.camera().ground;
     EXPECT_GT(there.x, (1 << 25) + 50);
     EXPECT_NEAR(static_cast<double>(there.y), 1 << 25, 1);
     for (int frame = 0; frame < 300; ++frame) control.advance(1 / 60.0, {});
-    const TexelPoint rest = control.camera().ground;
+    const PlanePoint rest = control.camera().ground;
     control.advance(1 / 60.0, {});
     EXPECT_NEAR(distance_x(rest, control.camera().ground), 0, 1e-3);
 }

@@ -14,7 +14,7 @@ TEST(CameraPath, KeepsEveryTexelOfAPositionBeyond2ToThe53) {
         R"({"keys": [{"x": "274877906943", "y": 7, "x_fraction": 0.25, "height": 10, "pitch": -90}]})",
         "path", widest);
     ASSERT_TRUE(path) << path.error().detail;
-    EXPECT_EQ(path->at(0).ground, (TexelPoint{274877906943, 7, 0.25, 0}));
+    EXPECT_EQ(path->at(0).ground, (PlanePoint{274877906943, 7, 0.25, 0}));
     EXPECT_EQ(path->at(99).ground, path->at(0).ground);
 }
 
@@ -26,7 +26,7 @@ TEST(CameraPath, MovesEvenlyBetweenItsKeysAndClimbsByEqualFactors) {
     ASSERT_TRUE(path) << path.error().detail;
     EXPECT_EQ(path->at(0), path->at(1));
     const Camera middle = path->at(2);
-    EXPECT_EQ(middle.ground, (TexelPoint{137438953522, 50, 0, 0}));
+    EXPECT_EQ(middle.ground, (PlanePoint{137438953522, 50, 0, 0}));
     EXPECT_NEAR(middle.height_texels, 1000, 1e-6);
     EXPECT_NEAR(middle.yaw_degrees, 45, 1e-9);
     EXPECT_NEAR(middle.pitch_degrees, -60, 1e-9);
