@@ -1,0 +1,186 @@
+#include "shared/motion/targets.h"
+
+#include <algorithm>
+
+namespace tessera {
+
+namespace {
+
+__extension__ using Wide = __int128;
+
+constexpr Wide floor_divided(Wide a, Wide b) noexcept { return a / b - (a % b < 0 ? 1 : 0); }
+
+}  // namespace
+
+MovingTarget::MovingTarget(std::span<const Leg> legs, Step first)
+    : legs_(legs.begin(), legs.end()), first_{first} {
+    std::int64_t begin = 0;
+    for (const Leg& leg : legs) {
+        begins_.push_back(begin);
+        begin += leg.steps;
+    }
+    begins_.push_back(begin);
+}
+
+MovingTarget::Walk MovingTarget::walk_at(Step step) const noexcept {
+    const auto since = static_cast<std::int64_t>((Wide{step} - first_) % round_steps());
+    const std::int64_t at = since < 0 ? since + round_steps() : since;
+    const auto leg =
+        static_cast<std::size_t>(std::upper_bound(begins_.begin(), begins_.end() - 1, at) - begins_.begin()) -
+        1;
+    const MotionPoint from = legs_[leg].from, to = legs_[(leg + 1) % legs_.size()].from;
+    return {add_steps(step, begins_[leg] - at), legs_[leg].steps, from, {to.x - from.x, to.y - from.y}};
+}
+
+MovingTarget::Place MovingTarget::at(Step step) const noexcept {
+    const Walk walk = walk_at(step);
+    const Wide moved = Wide{step} - walk.begin;
+    const auto along = [&](std::int64_t from, std::int64_t by, std::int64_t& rest) {
+        const Wide way = moved * by, whole = floor_divided(way, walk.steps);
+        rest = static_cast<std::int64_t>(way - whole * walk.steps);
+        return from + static_cast<std::int64_t>(whole);
+    };
+    Place place{.parts = walk.steps};
+    place.x = along(walk.from.x, walk.by.x, place.x_rest);
+    place.y = along(walk.from.y, walk.by.y, place.y_rest);
+    return place;
+}
+
+TargetDistance::TargetDistance(const TimeLine& line, std::int64_t near, std::int64_t far,
+                               std::span<const MovingTarget> targets)
+    : targets_(targets.begin(), targets.end()) {
+    // The way from `far` to `near` in equal parts, one for each position
+    for (std::int32_t frame = 1; frame < line.frames(); ++frame)
+        reach_.push_back(far -
+                         static_cast<std::int64_t>(Wide{far - near} * line.begin_of(frame) / line.run()));
+}
+
+std::int32_t TargetDistance::frame_on(const MovingTarget::Walk& walk, MotionPoint cell,
+                                      std::int64_t moved) const noexcept {
+    if (reach_.empty()) return 0;
+    // All lengths times walk.steps, so that nothing is rounded: below 2^28 · 2^28 where it is squared
+    const Wide x = Wide{walk.from.x - cell.x} * walk.steps + Wide{walk.by.x} * moved;
+    const Wide y = Wide{walk.from.y - cell.y} * walk.steps + Wide{walk.by.y} * moved;
+    const Wide most = Wide{reach_.front()} * walk.steps;
+    if (x > most || x < -most || y > most || y < -most) return 0;
+    const Wide square = x * x + y * y;
+    const auto beyond = std::partition_point(reach_.begin(), reach_.end(), [&](std::int64_t reach) {
+        const Wide wide = Wide{reach} * walk.steps;
+        return square <= wide * wide;
+    });
+    return static_cast<std::int32_t>(beyond - reach_.begin());
+}
+
+namespace {
+
+/// The step, 0 to walk.steps, at which a walk is closest to a cell: of those before it the distance falls, of
+/// those after it rises.
+std::int64_t closest_on(const MovingTarget::Walk& walk, MotionPoint cell) noexcept {
+    const Wide length = Wide{walk.by.x} * walk.by.x + Wide{walk.by.y} * walk.by.y;
+    if (length == 0) return 0;
+    const Wide along = Wide{cell.x - walk.from.x} * walk.by.x + Wide{cell.y - walk.from.y} * walk.by.y;
+    if (along <= 0) return 0;
+    if (along >= length) return walk.steps;
+    // The nearest step to along / length · steps
+    return static_cast<std::int64_t>((2 * along * walk.steps + length) / (2 * length));
+}
+
+/// The least of (from, to] for which `is` holds, which then holds for all after it; to + 1 if there is none.
+template <class Is>
+std::int64_t first_of(std::int64_t from, std::int64_t to, const Is& is) {
+    if (from >= to || !is(to)) return to + 1;
+    while (to - from > 1) {
+        const std::int64_t middle = from + (to - from) / 2;
+        (is(middle) ? to : from) = middle;
+    }
+    return to;
+}
+
+/// The largest of [from, to) for which `is` holds, which then holds for all before it; from − 1 if there is
+/// none.
+template <class Is>
+std::int64_t last_of(std::int64_t from, std::int64_t to, const Is& is) {
+    if (from >= to || !is(from)) return from - 1;
+    while (to - from > 1) {
+        const std::int64_t middle = from + (to - from) / 2;
+        (is(middle) ? from : to) = middle;
+    }
+    return from;
+}
+
+}  // namespace
+
+Step TargetDistance::next_change(const MovingTarget& target, MotionPoint cell, Step step) const noexcept {
+    MovingTarget::Walk walk = target.walk_at(step);
+    std::int64_t moved = step - walk.begin;
+    const std::int32_t frame = frame_on(walk, cell, moved);
+    const auto differs = [&](std::int64_t at) { return frame_on(walk, cell, at) != frame; };
+    const Step round_over = add_steps(step, target.round_steps());
+    for (;;) {
+        const std::int64_t closest = closest_on(walk, cell);
+        std::int64_t change = first_of(moved, closest, differs);
+        if (change <= closest) return add_steps(walk.begin, change);
+        change = first_of(std::max(moved, closest), walk.steps, differs);
+        if (change <= walk.steps) return add_steps(walk.begin, change);
+        const Step next = add_steps(walk.begin, walk.steps);
+        if (next >= round_over) return never;
+        walk = target.walk_at(next);
+        moved = 0;
+    }
+}
+
+Step TargetDistance::last_change(const MovingTarget& target, MotionPoint cell, Step step) const noexcept {
+    MovingTarget::Walk walk = target.walk_at(step);
+    std::int64_t moved = step - walk.begin;
+    const std::int32_t frame = frame_on(walk, cell, moved);
+    const auto differs = [&](std::int64_t at) { return frame_on(walk, cell, at) != frame; };
+    const Step round_over = add_steps(step, -target.round_steps());
+    for (;;) {
+        const std::int64_t closest = closest_on(walk, cell);
+        std::int64_t change = last_of(closest, moved, differs);
+        if (change >= closest) return add_steps(walk.begin, change + 1);
+        change = last_of(0, std::min(moved, closest), differs);
+        if (change >= 0) return add_steps(walk.begin, change + 1);
+        if (walk.begin <= round_over) return always;
+        walk = target.walk_at(walk.begin - 1);
+        moved = walk.steps;
+    }
+}
+
+std::int32_t TargetDistance::frame_at(MotionPoint cell, Step step) const noexcept {
+    std::int32_t frame = 0;
+    for (const MovingTarget& target : targets_) {
+        const MovingTarget::Walk walk = target.walk_at(step);
+        frame = std::max(frame, frame_on(walk, cell, step - walk.begin));
+    }
+    return frame;
+}
+
+TargetDistance::Answer TargetDistance::shown_at(MotionPoint cell, Step step) const noexcept {
+    const std::int32_t frame = frame_at(cell, step);
+    if (reach_.empty()) return {frame, {}};
+    Validity validity{step, step};
+    // Targets change by turns, and what is nearest may do so without the frame
+    const auto next = [&](Step at) {
+        Step least = never;
+        for (const MovingTarget& target : targets_) least = std::min(least, next_change(target, cell, at));
+        return least;
+    };
+    const auto last = [&](Step at) {
+        Step most = always;
+        for (const MovingTarget& target : targets_) most = std::max(most, last_change(target, cell, at));
+        return most;
+    };
+    const Step round = targets_.empty() ? 0 : targets_.front().round_steps();
+    const Step latest = add_steps(step, round), earliest = add_steps(step, -round);
+    do validity.until = next(validity.until);
+    while (validity.until < latest && frame_at(cell, validity.until) == frame);
+    if (validity.until >= latest) return {frame, {}};  // Not once in a whole round
+    for (Step at = step;; at = validity.from - 1) {
+        validity.from = last(at);
+        if (validity.from <= earliest || frame_at(cell, validity.from - 1) != frame) break;
+    }
+    return {frame, validity};
+}
+
+}  // namespace tessera

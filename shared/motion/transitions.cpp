@@ -1,0 +1,116 @@
+#include "shared/motion/transitions.h"
+
+#include <algorithm>
+
+namespace tessera {
+
+namespace {
+
+/// From which step on a cell shows the new cycle, and up to which the old one; rest in between.
+struct Passage {
+    Step old_until, new_from;
+};
+
+Passage passage(const TimeLine& line, const Cycle& from, const Cycle& to, Step at) noexcept {
+    const std::int64_t shown = position_at(line, from, at);
+    const Step last = shown == 0 ? at : add_steps(at, line.run() - shown);  // The paper's t_f
+    const std::int64_t collides = last == never ? 0 : position_at(line, to, last);
+    const Step next = add_steps(last, 1);
+    return {next, collides == 0 ? next : add_steps(last, line.run() - collides)};
+}
+
+std::int32_t frame_of(const TimeLine& line, const Cycle& cycle, Step step) noexcept {
+    return line.frame_at(position_at(line, cycle, step));
+}
+
+/// Which cycle a cell follows, or that it rests for another's run to pass, and how long.
+struct Piece {
+    Cycle cycle;
+    Validity holds;
+};
+
+Piece piece_at(const TimeLine& line, std::span<const Cycle> cycles, std::span<const Step> changes,
+               Step step) noexcept {
+    constexpr Cycle resting{0, endless_rest};
+    const std::size_t change = change_at(changes, step);
+    Piece piece{cycles[change], {}};
+    if (change > 0) {
+        const Passage passed = passage(line, cycles[change - 1], cycles[change], changes[change - 1]);
+        if (step < passed.old_until) {
+            piece = {cycles[change - 1], {always, passed.old_until}};
+            if (change > 1)
+                piece.holds.from =
+                    passage(line, cycles[change - 2], cycles[change - 1], changes[change - 2]).new_from;
+            return piece;
+        }
+        if (step < passed.new_from) return {resting, {passed.old_until, passed.new_from}};
+        piece.holds.from = passed.new_from;
+    }
+    if (change < changes.size())
+        piece.holds.until = passage(line, cycles[change], cycles[change + 1], changes[change]).old_until;
+    return piece;
+}
+
+}  // namespace
+
+ChangeTimes::Effect ChangeTimes::effect_of(Step asked) const noexcept {
+    if (steps_.empty()) return {asked, false};
+    // At the very step of a change cells still show what was before it
+    const bool waiting = asked <= steps_.back();
+    const std::size_t done = steps_.size() - (waiting ? 1 : 0);
+    if (done == 0) return {asked, true};
+    return {std::max(asked, add_steps(steps_[done - 1], between_)), waiting};
+}
+
+ChangeTimes::Effect ChangeTimes::add(Step asked) {
+    const Effect effect = effect_of(asked);
+    if (effect.replaces)
+        steps_.back() = effect.step;
+    else
+        steps_.push_back(effect.step);
+    return effect;
+}
+
+std::size_t change_at(std::span<const Step> changes, Step step) noexcept {
+    return static_cast<std::size_t>(std::upper_bound(changes.begin(), changes.end(), step) - changes.begin());
+}
+
+std::int32_t frame_at(const TimeLine& line, const Cycle& from, const Cycle& to, Step at, Step step) noexcept {
+    if (step <= at) return frame_of(line, from, step);
+    const Passage passed = passage(line, from, to, at);
+    if (step < passed.old_until) return frame_of(line, from, step);
+    return step < passed.new_from ? 0 : frame_of(line, to, step);
+}
+
+std::int32_t frame_at(const TimeLine& line, std::span<const Cycle> cycles, std::span<const Step> changes,
+                      Step step) noexcept {
+    const std::size_t change = change_at(changes, step);
+    if (change == 0) return frame_of(line, cycles[0], step);
+    return frame_at(line, cycles[change - 1], cycles[change], changes[change - 1], step);
+}
+
+Shown shown_at(const TimeLine& line, std::span<const Cycle> cycles, std::span<const Step> changes,
+               Step step) noexcept {
+    if (line.frames() == 1) return {};
+    const std::int32_t frame = frame_at(line, cycles, changes, step);
+    Validity validity{step, step};
+    for (Step at = step;;) {
+        const Piece piece = piece_at(line, cycles, changes, at);
+        validity.until = shown_at(line, piece.cycle, at).validity.until;
+        if (validity.until < piece.holds.until) break;
+        validity.until = at = piece.holds.until;
+        if (at == never || frame_at(line, cycles, changes, at) != frame) break;
+    }
+    for (Step at = step;;) {
+        const Piece piece = piece_at(line, cycles, changes, at);
+        validity.from = shown_at(line, piece.cycle, at).validity.from;
+        if (validity.from > piece.holds.from) break;
+        validity.from = piece.holds.from;
+        if (validity.from == always) break;
+        at = validity.from - 1;
+        if (frame_at(line, cycles, changes, at) != frame) break;
+    }
+    return {frame, validity};
+}
+
+}  // namespace tessera
