@@ -13,34 +13,17 @@ std::int32_t floor_of(double x) noexcept {
 
 }  // namespace
 
-/// Keeps what lies beyond the line v = at (`Vertical`: u = at), or before it (Sutherland and Hodgman, 1974).
-template <bool Vertical, bool Above>
-void FootprintTaps::cut(const Polygon& in, double at, Polygon& out) noexcept {
-    out.count = 0;
-    for (int k = 0; k < in.count; ++k) {
-        const Point a = in.corners[k], b = in.corners[k + 1 == in.count ? 0 : k + 1];
-        const double from = Vertical ? a.u : a.v, to = Vertical ? b.u : b.v;
-        const bool a_in = Above ? from >= at : from <= at, b_in = Above ? to >= at : to <= at;
-        if (a_in) out.corners[out.count++] = a;
-        if (a_in != b_in) {
-            const double share = (at - from) / (to - from);
-            out.corners[out.count++] =
-                Vertical ? Point{at, a.v + share * (b.v - a.v)} : Point{a.u + share * (b.u - a.u), at};
-        }
-    }
-}
-
-FootprintTaps::Moments FootprintTaps::moments(const Polygon& piece, double u, double v) noexcept {
+FootprintTaps::Moments FootprintTaps::moments(const ConvexPolygon& piece, double u, double v) noexcept {
     Moments sum;
     for (int k = 0; k < piece.count; ++k) {
-        const Point& from = piece.corners[k];
-        const Point& to = piece.corners[k + 1 == piece.count ? 0 : k + 1];
-        const Point a{from.u - u, from.v - v}, b{to.u - u, to.v - v};
-        const double cross = a.u * b.v - b.u * a.v;
+        const TexelPoint& from = piece.corners[k];
+        const TexelPoint& to = piece.corners[k + 1 == piece.count ? 0 : k + 1];
+        const TexelPoint a{from.x - u, from.y - v}, b{to.x - u, to.y - v};
+        const double cross = a.x * b.y - b.x * a.y;
         sum.area += cross;
-        sum.u += cross * (a.u + b.u);
-        sum.v += cross * (a.v + b.v);
-        sum.uv += cross * (a.u * b.v + 2 * (a.u * a.v + b.u * b.v) + b.u * a.v);
+        sum.u += cross * (a.x + b.x);
+        sum.v += cross * (a.y + b.y);
+        sum.uv += cross * (a.x * b.y + 2 * (a.x * a.y + b.x * b.y) + b.x * a.y);
     }
     return {sum.area / 2, sum.u / 6, sum.v / 6, sum.uv / 24};
 }
@@ -59,8 +42,8 @@ void FootprintTaps::add(std::int32_t i, std::int32_t j, const Moments& m) noexce
     at(i + 1, j + 1) += m.uv;
 }
 
-void FootprintTaps::add_strip(const Polygon& strip, std::int32_t j) noexcept {
-    double least = strip.corners[0].u, most = least;
+void FootprintTaps::add_strip(const ConvexPolygon& strip, std::int32_t j) noexcept {
+    double least = strip.corners[0].x, most = least;
     // Where the strip has whole edges along both its lines, the squares between them are whole
     double upper_from = 1, upper_to = 0, lower_from = 1, lower_to = 0;
     const auto widen = [](double u, double& from, double& to) {
@@ -69,17 +52,17 @@ void FootprintTaps::add_strip(const Polygon& strip, std::int32_t j) noexcept {
         to = std::max(to, u);
     };
     for (int k = 0; k < strip.count; ++k) {
-        const Point& p = strip.corners[k];
-        least = std::min(least, p.u);
-        most = std::max(most, p.u);
-        if (p.v == j) widen(p.u, upper_from, upper_to);
-        if (p.v == j + 1) widen(p.u, lower_from, lower_to);
+        const TexelPoint& p = strip.corners[k];
+        least = std::min(least, p.x);
+        most = std::max(most, p.x);
+        if (p.y == j) widen(p.x, upper_from, upper_to);
+        if (p.y == j + 1) widen(p.x, lower_from, lower_to);
     }
     const bool spans = upper_from <= upper_to && lower_from <= lower_to;
     const double whole_from = std::max(upper_from, lower_from), whole_to = std::min(upper_to, lower_to);
 
     const std::int32_t first = floor_of(least), last = floor_of(most);
-    Polygon rest = strip, piece, beyond;
+    ConvexPolygon rest = strip, piece, beyond;
     for (std::int32_t i = first; i <= last; ++i) {
         if (spans && i >= whole_from && i + 1 <= whole_to) {
             add(i, j, {1, 0.5, 0.5, 0.25});
@@ -99,7 +82,7 @@ std::span<const Tap> FootprintTaps::of(const Parallelogram& f) {
         return taps_;
 
     // Corners in positive order, inside the image, counted from the first texel's centre on
-    Polygon polygon, clipped;
+    ConvexPolygon polygon, clipped;
     polygon.count = 4;
     polygon.corners[0] = {f.x, f.y};
     polygon.corners[1] = {f.x + f.along_x, f.y + f.along_y};
@@ -113,13 +96,13 @@ std::span<const Tap> FootprintTaps::of(const Parallelogram& f) {
     if (polygon.count < 3) return taps_;
     double least_u = 1e300, most_u = -1e300, least_v = 1e300, most_v = -1e300;
     for (int k = 0; k < polygon.count; ++k) {
-        Point& p = polygon.corners[k];
-        p.u -= 0.5;
-        p.v -= 0.5;
-        least_u = std::min(least_u, p.u);
-        most_u = std::max(most_u, p.u);
-        least_v = std::min(least_v, p.v);
-        most_v = std::max(most_v, p.v);
+        TexelPoint& p = polygon.corners[k];
+        p.x -= 0.5;
+        p.y -= 0.5;
+        least_u = std::min(least_u, p.x);
+        most_u = std::max(most_u, p.x);
+        least_v = std::min(least_v, p.y);
+        most_v = std::max(most_v, p.y);
     }
     if (!(least_u <= most_u)) return taps_;
 
@@ -130,7 +113,7 @@ std::span<const Tap> FootprintTaps::of(const Parallelogram& f) {
     window_.assign(static_cast<std::size_t>(window_width_) * static_cast<std::size_t>(window_height_), 0.0);
 
     // Strip after strip, each cut into its squares
-    Polygon rest = polygon, strip, below;
+    ConvexPolygon rest = polygon, strip, below;
     const std::int32_t last = floor_of(most_v);
     for (std::int32_t j = floor_of(least_v); j <= last; ++j) {
         cut<false, true>(rest, j, below);

@@ -4,6 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "server/filter/convex_polygon.h"
+
 namespace tessera {
 
 /// A footprint in the coordinates of an image, whose texel (i, j) covers [i, i + 1) × [j, j + 1): a corner
@@ -40,23 +42,13 @@ class FootprintTaps {
     std::span<const Tap> of(const Parallelogram& footprint);
 
   private:
-    struct Point {
-        double u, v;
-    };
-    /// Convex: cut by up to eight lines from four corners on.
-    struct Polygon {
-        Point corners[12];
-        int count = 0;
-    };
     struct Moments {
         double area = 0, u = 0, v = 0, uv = 0;
     };
 
-    template <bool Vertical, bool Above>
-    static void cut(const Polygon& in, double at, Polygon& out) noexcept;
-    static Moments moments(const Polygon& piece, double u, double v) noexcept;
+    static Moments moments(const ConvexPolygon& piece, double u, double v) noexcept;
     void add(std::int32_t i, std::int32_t j, const Moments& moments) noexcept;
-    void add_strip(const Polygon& strip, std::int32_t j) noexcept;
+    void add_strip(const ConvexPolygon& strip, std::int32_t j) noexcept;
 
     std::int32_t width_, height_;
     std::int32_t left_ = 0, top_ = 0, window_width_ = 0,

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+
+#include "server/filter/four.h"
+#include "server/filter/lattice.h"
+#include "server/filter/page_tables.h"
+
+namespace tessera {
+
+/// Points of the MIP pyramid, interpolated as GPUs do it.
+class MipProbe {
+  public:
+    MipProbe(std::shared_ptr<const TexelPages> pages, std::size_t memory_bytes)
+        : texels_{std::move(pages), memory_bytes} {}
+
+    /// Between the four nearest texel centres of a level.
+    Floats4 bilinear(int level, const LatticePoint& at, Reading& reading);
+
+    /// Between two levels, `lod` = log2 of the texels of level 0 that a sample stands for (Williams,
+    /// "Pyramidal parametrics", SIGGRAPH 1983). Below 0: bilinear on level 0.
+    Floats4 trilinear(double lod, const LatticePoint& at, Reading& reading);
+
+  private:
+    PageTables<TexelRows> texels_;
+};
+
+/// log2 of a normal number above 0, within 10^−9, by + − × ÷ only.
+double log2_of(double v) noexcept;
+
+}  // namespace tessera
