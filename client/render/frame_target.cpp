@@ -12,11 +12,24 @@ FrameTarget::FrameTarget(int width, int height) : width_{width}, height_{height}
     glCreateFramebuffers(1, &name);
     framebuffer_ = GlFramebuffer{name};
     glNamedFramebufferTexture(name, GL_COLOR_ATTACHMENT0, colour_.name(), 0);
+    glGenTextures(1, &name);  // a view's name must be unused
+    linear_view_ = GlTexture{name};
+    glTextureView(name, GL_TEXTURE_2D, colour_.name(), GL_SRGB8_ALPHA8, 0, 1, 0, 1);
+    glCreateFramebuffers(1, &name);
+    linear_framebuffer_ = GlFramebuffer{name};
+    glNamedFramebufferTexture(name, GL_COLOR_ATTACHMENT0, linear_view_.name(), 0);
 }
 
 void FrameTarget::bind() const {
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
     glViewport(0, 0, width_, height_);
+    glDisable(GL_FRAMEBUFFER_SRGB);
+}
+
+void FrameTarget::bind_linear() const {
+    glBindFramebuffer(GL_FRAMEBUFFER, linear_framebuffer_.name());
+    glViewport(0, 0, width_, height_);
+    glEnable(GL_FRAMEBUFFER_SRGB);
 }
 
 void FrameTarget::blit_to_window() const {

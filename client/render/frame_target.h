@@ -13,8 +13,11 @@ class FrameTarget {
   public:
     FrameTarget(int width, int height);
 
-    /// Draws go here from now on.
+    /// Draws go here from now on, and write codes.
     void bind() const;
+    /// The same, but draws write linear light, which is coded on its way in while GL_FRAMEBUFFER_SRGB is
+    /// enabled: it is now.
+    void bind_linear() const;
     /// Copies the picture to the window's framebuffer, which has the same size.
     void blit_to_window() const;
     /// Waits for the picture; rows from the top.
@@ -26,8 +29,8 @@ class FrameTarget {
   private:
     int width_;
     int height_;
-    GlTexture colour_;
-    GlFramebuffer framebuffer_;
+    GlTexture colour_, linear_view_;
+    GlFramebuffer framebuffer_, linear_framebuffer_;
 };
 
 }  // namespace tessera

@@ -1,27 +1,19 @@
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
-#include <memory>
 
+#include "client/render/filter.h"
+#include "client/render/filter_pass.h"
 #include "client/render/frame_target.h"
-#include "client/render/gl_objects.h"
-#include "client/render/page_store.h"
-#include "client/render/page_table_texture.h"
 #include "client/residency/plane_view.h"
 #include "shared/page/page_key.h"
 #include "shared/result/result.h"
 
 namespace tessera {
 
-enum class Filter {
-    trilinear,  ///< Linear within and between levels, in linear light.
-    stored,     ///< The nearest texel of the nearest level, as stored, with no haze: for tests and tools.
-};
-
 struct PlaneStyle {
     Filter filter = Filter::trilinear;
+    int subsamples = 4;         ///< See FilterChoice::subsamples.
     double lod_bias = 0;        ///< Added to each pixel's level.
     std::uint32_t now_ms = 0;   ///< On the clock of TableEntry::arrival_ms.
     float fade_ms = 0;          ///< How long a new page takes to fade in; 0: at once, and cheaper.
@@ -29,28 +21,23 @@ struct PlaneStyle {
     bool page_borders = false;  ///< Draws the borders of the pages shown, coloured by level.
 };
 
-/// Draws the plane and the sky above it, one fragment shader over the whole picture.
+/// Draws the plane, and the sky above it.
 class PlaneRenderer {
   public:
-    /// Needs a current context. Error: io_failure with the driver's words.
-    static Result<std::unique_ptr<PlaneRenderer>> make(Extent extent);
-
-    /// The clip centre of `view` lies inside the extent, and was the last that `table` moved to.
-    void draw(const FrameTarget& target, const PlaneView& view, const PageStore& pages,
-              const PageTableTexture& table, int window_side, const PlaneStyle& style);
-
-  private:
-    /// The fragment shader's variants: stored_texels, or any of the others together.
-    static constexpr std::size_t fading = 1, page_borders = 2, stored_texels = 4, variants = 5;
-
+    /// Needs a current context.
     explicit PlaneRenderer(Extent extent);
 
+    /// Compiles what this style needs, if need be. Error: io_failure with the driver's words.
+    Result<void> prepare(const PlaneStyle& style);
+
+    /// The clip centre of `view` lies inside the extent, and was the last that the page table in `texels`
+    /// moved to. Error: as in prepare().
+    Result<void> draw(const FrameTarget& target, const PlaneView& view, const TexelTextures& texels,
+                      int window_side, const PlaneStyle& style);
+
+  private:
     Extent extent_;
-    std::array<GlProgram, variants> programs_;
-    GlBuffer frame_block_;
-    GlVertexArray no_vertices_;
-    GlSampler linear_;
-    GlSampler nearest_;
+    FilterPass pass_;
 };
 
 }  // namespace tessera

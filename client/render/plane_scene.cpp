@@ -1,24 +1,29 @@
 #include "client/render/plane_scene.h"
 
+#include <vector>
+
 namespace tessera {
 
 Result<std::unique_ptr<PlaneScene>> PlaneScene::make(Extent extent, PageSource& source,
                                                      const ResidencySettings& settings) {
-    auto renderer = PlaneRenderer::make(extent);
-    if (!renderer) return renderer.error();
-    return std::unique_ptr<PlaneScene>{new PlaneScene{extent, source, settings, std::move(renderer.value())}};
+    PlaneRenderer renderer{extent};
+    if (const auto ready = renderer.prepare({}); !ready) return ready.error();
+    return std::unique_ptr<PlaneScene>{new PlaneScene{extent, source, settings, std::move(renderer)}};
 }
 
 PlaneScene::PlaneScene(Extent extent, PageSource& source, const ResidencySettings& settings,
-                       std::unique_ptr<PlaneRenderer> renderer)
+                       PlaneRenderer renderer)
     : residency_{extent, source, settings},
       pages_{settings.slots},
       table_{extent, settings.window_side},
       renderer_{std::move(renderer)} {}
 
-ResidencyFrame PlaneScene::update(const PlaneView& view, ClientTime now) {
-    ResidencyFrame frame = residency_.update(view, now);
-    for (const SlotUpload& upload : frame.uploads) pages_.upload(upload.slot, upload.texels);
+ResidencyFrame PlaneScene::update(const PlaneView& view, ClientTime now, FilterChoice filter) {
+    ResidencyFrame frame = residency_.update(view, now, sampling_of(filter));
+    for (const SlotUpload& upload : frame.uploads) {
+        pages_.upload(upload.slot, upload.texels);
+        without_integrals_.insert(upload.slot);
+    }
     table_.update(residency_.table());
     if (!frame.uploads.empty()) last_upload_ = now;
     lod_bias_ = frame.lod_bias;
@@ -26,11 +31,29 @@ ResidencyFrame PlaneScene::update(const PlaneView& view, ClientTime now) {
     return frame;
 }
 
-void PlaneScene::draw(const FrameTarget& target, const PlaneView& view, PlaneStyle style) {
+/// Before a page is shown by its integrals, they are there.
+Result<void> PlaneScene::bring_integrals() {
+    if (!integrals_) {
+        auto made = IntegralStore::make(residency_.settings().slots);
+        if (!made) return made.error();
+        integrals_ = std::move(made.value());
+    }
+    const std::vector<int> slots(without_integrals_.begin(), without_integrals_.end());
+    integrals_->build(pages_.coded_texture(), gutter_texels, slots);
+    without_integrals_.clear();
+    return {};
+}
+
+Result<void> PlaneScene::draw(const FrameTarget& target, const PlaneView& view, PlaneStyle style) {
     style.lod_bias = lod_bias_;
     style.now_ms = static_cast<std::uint32_t>(now_.count());
     if (now_ - last_upload_ > std::chrono::duration<float, std::milli>{style.fade_ms}) style.fade_ms = 0;
-    renderer_->draw(target, view, pages_, table_, residency_.settings().window_side, style);
+    if (style.filter == Filter::line_integral)
+        if (const auto there = bring_integrals(); !there) return there.error();
+    return renderer_.draw(
+        target, view,
+        {pages_.texture(), pages_.coded_texture(), table_.texture(), integrals_ ? integrals_->texture() : 0},
+        residency_.settings().window_side, style);
 }
 
 }  // namespace tessera

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <memory>
+#include <set>
 
+#include "client/render/integral_store.h"
 #include "client/render/page_store.h"
 #include "client/render/page_table_texture.h"
 #include "client/render/plane_renderer.h"
@@ -16,23 +18,29 @@ class PlaneScene {
     static Result<std::unique_ptr<PlaneScene>> make(Extent extent, PageSource& source,
                                                     const ResidencySettings& settings);
 
-    /// Decides what is resident for this view, and brings new pages and entries to the GPU.
-    ResidencyFrame update(const PlaneView& view, ClientTime now);
+    /// Decides what is resident for this view under this filter, and brings new pages and entries to the GPU.
+    ResidencyFrame update(const PlaneView& view, ClientTime now, FilterChoice filter = {});
 
-    /// Draws the view of the last update(). `style.lod_bias` and `style.now_ms` are set here.
-    void draw(const FrameTarget& target, const PlaneView& view, PlaneStyle style);
+    /// Draws the view of the last update(), which was for the same filter. `style.lod_bias` and
+    /// `style.now_ms` are set here. Error: io_failure (the driver refuses the filter's shader, or has no
+    /// room); nothing is drawn then.
+    Result<void> draw(const FrameTarget& target, const PlaneView& view, PlaneStyle style);
 
     const Residency& residency() const { return residency_; }
     const PageStore& pages() const { return pages_; }
+    /// Of pages, and of their line integrals once those were needed.
+    std::size_t gpu_bytes() const { return pages_.bytes() + (integrals_ ? integrals_->bytes() : 0); }
 
   private:
-    PlaneScene(Extent extent, PageSource& source, const ResidencySettings& settings,
-               std::unique_ptr<PlaneRenderer> renderer);
+    PlaneScene(Extent extent, PageSource& source, const ResidencySettings& settings, PlaneRenderer renderer);
+    Result<void> bring_integrals();
 
     Residency residency_;
     PageStore pages_;
     PageTableTexture table_;
-    std::unique_ptr<PlaneRenderer> renderer_;
+    PlaneRenderer renderer_;
+    std::unique_ptr<IntegralStore> integrals_;  ///< Made when Filter::line_integral is first drawn
+    std::set<int> without_integrals_;           ///< Slots whose page came since
     double lod_bias_ = 0;
     ClientTime now_{};
     ClientTime last_upload_{};

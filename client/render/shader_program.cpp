@@ -1,5 +1,6 @@
 #include "client/render/shader_program.h"
 
+#include <initializer_list>
 #include <string>
 
 namespace tessera {
@@ -19,16 +20,9 @@ Result<GlShader> compile(GLenum kind, std::string_view source) {
     return Error{ErrorCode::io_failure, std::string{"the driver refuses a shader: "} + log};
 }
 
-}  // namespace
-
-Result<GlProgram> make_program(std::string_view vertex_source, std::string_view fragment_source) {
-    auto vertex = compile(GL_VERTEX_SHADER, vertex_source);
-    if (!vertex) return vertex.error();
-    auto fragment = compile(GL_FRAGMENT_SHADER, fragment_source);
-    if (!fragment) return fragment.error();
+Result<GlProgram> link(std::initializer_list<GLuint> shaders) {
     GlProgram program{glCreateProgram()};
-    glAttachShader(program.name(), vertex->name());
-    glAttachShader(program.name(), fragment->name());
+    for (const GLuint shader : shaders) glAttachShader(program.name(), shader);
     glLinkProgram(program.name());
     GLint linked = 0;
     glGetProgramiv(program.name(), GL_LINK_STATUS, &linked);
@@ -36,6 +30,22 @@ Result<GlProgram> make_program(std::string_view vertex_source, std::string_view 
     char log[4096] = "";
     glGetProgramInfoLog(program.name(), sizeof log, nullptr, log);
     return Error{ErrorCode::io_failure, std::string{"the driver cannot link a shader: "} + log};
+}
+
+}  // namespace
+
+Result<GlProgram> make_program(std::string_view vertex_source, std::string_view fragment_source) {
+    auto vertex = compile(GL_VERTEX_SHADER, vertex_source);
+    if (!vertex) return vertex.error();
+    auto fragment = compile(GL_FRAGMENT_SHADER, fragment_source);
+    if (!fragment) return fragment.error();
+    return link({vertex->name(), fragment->name()});
+}
+
+Result<GlProgram> make_compute_program(std::string_view source) {
+    auto shader = compile(GL_COMPUTE_SHADER, source);
+    if (!shader) return shader.error();
+    return link({shader->name()});
 }
 
 }  // namespace tessera

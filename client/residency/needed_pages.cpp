@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "client/residency/footprint_pages.h"
+
 namespace tessera {
 namespace {
 
@@ -37,7 +39,8 @@ Polygon clip(const Polygon& polygon, const HalfPlane& plane) {
     return kept;
 }
 
-/// Walks the quadtree of pages for one view. Everything is relative to the eye, so doubles are exact enough
+/// The pages of the two levels around each pixel's level. Walks the quadtree from the coarsest page and clips
+/// each page's square to the view. Everything is relative to the eye, so doubles are exact enough
 /// at any place of any extent.
 class Walk {
   public:
@@ -175,8 +178,11 @@ class Walk {
 
 }  // namespace
 
-std::vector<NeededPage> needed_pages(const PlaneView& view, Extent extent, double lod_bias) {
-    return Walk{view, extent, lod_bias}.run();
+std::vector<NeededPage> needed_pages(const PlaneView& view, Extent extent, double lod_bias,
+                                     const Sampling& sampling) {
+    if (sampling.kind != Sampling::Kind::isotropic)
+        return needed_by_footprints(view, extent, lod_bias, sampling);
+    return Walk{view, extent, lod_bias - std::log2(sampling.subdivisions)}.run();
 }
 
 }  // namespace tessera

@@ -14,12 +14,12 @@ Residency::Residency(Extent extent, PageSource& source, const ResidencySettings&
       cache_{settings.slots},
       requests_{source, settings.requests} {}
 
-ResidencyFrame Residency::update(const PlaneView& view, ClientTime now) {
+ResidencyFrame Residency::update(const PlaneView& view, ClientTime now, const Sampling& sampling) {
     const PlanePoint& centre = view.camera().ground;
     table_.move_to(centre.x, centre.y);
     cache_.begin_frame();
 
-    const std::vector<NeededPage> needed = need(view);
+    const std::vector<NeededPage> needed = need(view, sampling);
     mark_used(needed);
     ResidencyFrame frame;
     frame.uploads = place_arrivals(now);
@@ -48,13 +48,13 @@ ResidencyFrame Residency::update(const PlaneView& view, ClientTime now) {
 
 /// Where the cache is too small for the view, coarser levels are asked for, instead of pages chasing each
 /// other out of it for ever.
-std::vector<NeededPage> Residency::need(const PlaneView& view) {
+std::vector<NeededPage> Residency::need(const PlaneView& view, const Sampling& sampling) {
     constexpr double step = 0.25;
     constexpr std::size_t pinned_room = 21;  // 1 + 4 + 16 pages of three levels
     const std::size_t room = cache_.capacity() - pinned_room;
     std::vector<NeededPage> needed;
     const auto fits = [&](double bias, double share) {
-        needed = needed_pages(view, extent_, bias);
+        needed = needed_pages(view, extent_, bias, sampling);
         std::erase_if(needed, [&](const NeededPage& page) { return !table_.in_window(page.key); });
         return static_cast<double>(needed.size()) <= share * static_cast<double>(room);
     };

@@ -54,8 +54,8 @@ class Residency {
     /// `source` outlives this.
     Residency(Extent extent, PageSource& source, const ResidencySettings& settings);
 
-    /// The clip centre of `view` lies inside the extent.
-    ResidencyFrame update(const PlaneView& view, ClientTime now);
+    /// For the pages that `sampling` reads. The clip centre of `view` lies inside the extent.
+    ResidencyFrame update(const PlaneView& view, ClientTime now, const Sampling& sampling = {});
 
     PageTable& table() { return table_; }
     const PageTable& table() const { return table_; }
@@ -65,7 +65,7 @@ class Residency {
     Extent extent() const { return extent_; }
 
   private:
-    std::vector<NeededPage> need(const PlaneView& view);
+    std::vector<NeededPage> need(const PlaneView& view, const Sampling& sampling);
     bool is_pinned(PageKey page) const { return page.level + settings_.pinned_levels > extent_.n; }
     void mark_used(const std::vector<NeededPage>& needed);
     std::vector<SlotUpload> place_arrivals(ClientTime now);

@@ -30,17 +30,18 @@ class Offscreen {
 
     PlaneView view(const Camera& camera) const { return {camera, target.width(), target.height()}; }
 
-    ResidencyFrame update(const Camera& camera) {
+    ResidencyFrame update(const Camera& camera, FilterChoice filter = {}) {
         now += ClientTime{16};
-        return scene->update(view(camera), now);
+        return scene->update(view(camera), now, filter);
     }
     /// Frames until everything needed is there.
-    void settle(const Camera& camera) {
-        for (int frame = 0; !update(camera).is_sharp(); ++frame)
+    void settle(const Camera& camera, FilterChoice filter = {}) {
+        for (int frame = 0; !update(camera, filter).is_sharp(); ++frame)
             if (frame > 1000) throw std::runtime_error{"never sharp"};
     }
     Rgba8Image draw(const Camera& camera, const PlaneStyle& style = {}) {
-        scene->draw(target, view(camera), style);
+        if (const auto drawn = scene->draw(target, view(camera), style); !drawn)
+            throw std::runtime_error{drawn.error().detail};
         Rgba8Image image = target.read();
         if (const GLenum error = glGetError(); error != GL_NO_ERROR)
             throw std::runtime_error{"GL error " + std::to_string(error)};

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+
+#include "client/render/filter.h"
+
+namespace tessera {
+
+/// One fragment shader: which picture, which texels, which filter. Software rasterisers run both sides of
+/// every branch, so what a picture does not need is not in its shader.
+struct ShaderVariant {
+    enum class Picture { plane, sky, situation };
+    Picture picture = Picture::plane;
+    FilterChoice filter{};
+    bool whole = false;   ///< A whole texture instead of pages.
+    bool fading = false;  ///< New pages fade in.
+    bool page_borders = false;
+    bool count_fetches = false;  ///< Alpha says how many texels were read.
+    auto operator<=>(const ShaderVariant&) const = default;
+};
+
+/// The source to compile behind nothing else.
+std::string fragment_source(const ShaderVariant& variant);
+std::string vertex_source();
+std::string integrals_source();
+
+}  // namespace tessera

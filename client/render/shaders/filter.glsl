@@ -1,0 +1,23 @@
+// What a pixel shows of the texture: premultiplied linear light. `level`: of the texels that were used.
+vec4 filtered(Footprint footprint, out float level) {
+#if FILTER == NEAREST || FILTER == BILINEAR
+    level = floor(isotropic_level(footprint) + 0.5);
+#if FILTER == BILINEAR
+    return sample_level(int(level), footprint.centre);
+#else
+    Place place;
+    return find_place(int(level), footprint.centre, place) ? nearest_at(place) : nothing_yet();
+#endif
+#elif FILTER == ANISOTROPIC
+    return anisotropic(footprint, level);
+#elif FILTER == DRIVER_ANISOTROPIC
+    return driver_anisotropic(footprint, level);
+#elif FILTER == LINE_INTEGRAL
+    return line_integral(footprint, level);
+#elif FILTER == SUPERSAMPLE
+    return supersampled(footprint, level);
+#else
+    level = isotropic_level(footprint);
+    return trilinear(footprint.centre, level);
+#endif
+}

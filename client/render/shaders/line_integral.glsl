@@ -1,0 +1,128 @@
+// The area integral of a pixel's quadrilateral by sums along lines of texels: "Anisotropic Texture Filtering using Line
+// Integral Textures", with the improvements that its section 4.3 asks for.
+//
+// A layer of `integrals` holds, for each texel of a page, the sum of the texels before it in its line, and the texel
+// itself; the sum of a stretch of a line is then two fetches, ends that lie inside a texel included. Lines run both ways:
+// layer 2n holds the sums along y, 2n + 1 those along x, transposed. Each channel is one 32-bit word: 24 bits of the sum
+// of 16-bit linear light, modulo 2^24, above the texel's 8-bit code. A stretch has at most 256 texels of at most 65535,
+// less than 2^24: differences are exact, wherever the sums wrap.
+layout(binding = 3) uniform usampler2DArray integrals;
+
+const float MOST_COLUMNS = 24.0;  // across a footprint, before a coarser level serves
+const float MOST_PIECES = 40.0;   // columns × pages that each of them crosses
+const float LEAST_COLUMNS = 8.0;  // fewer are cut into parts, so that slanted sides count for what they cover
+
+// Linear light of sRGB codes 0 to 255 over 255, within 0.02 code: a polynomial, since pow is slow
+vec3 decoded(vec3 code) {
+    vec3 high = 0.000929164434 +
+                code * (0.0326704326 +
+                        code * (0.515611761 +
+                                code * (0.701607704 + code * (-0.407388273 + code * (0.203969605 - 0.0474032455 * code)))));
+    return mix(high, code / 12.92, vec3(lessThanEqual(code, vec3(0.04045))));
+}
+
+// The end of a stretch: so far into the texel, in steps of 1/65535
+vec4 part_of_texel(uvec4 word, float part) {
+    vec4 code = vec4(word & 0xffu) / 255.0;
+    return vec4(decoded(code.rgb), code.a) * (part * 65535.0);
+}
+
+// How fine a level the quadrilateral needs. Long ones cross many pages with each column: they get fewer columns.
+float line_integral_level(float across, float along) {
+    float pages = along / (across * PAGE_SIDE);
+    float columns = min(MOST_COLUMNS, 2.0 * MOST_PIECES / (1.0 + sqrt(1.0 + 4.0 * MOST_PIECES * pages)));
+    return max(ceil(log2(across / columns) + lod_bias), 0.0);
+}
+
+// Corners in texels of the cell's layer; columns are along its first axis. Adds up area × colour, and area.
+void add_cell(vec2 corners[4], vec2 low, vec2 high, int layer, float parts, inout vec4 sum, inout float area) {
+    vec4 slope;
+    for (int i = 0; i < 4; ++i) {
+        vec2 side = corners[(i + 1) & 3] - corners[i];
+        slope[i] = side.y / (side.x == 0.0 ? 1.0 : side.x);
+    }
+    for (float part = floor(low.x * parts); part < high.x * parts; ++part) {
+        float left = max(part / parts, low.x), right = min((part + 1.0) / parts, high.x);
+        float x = 0.5 * (left + right);
+        // Where the quadrilateral begins and ends on this line
+        float begin = 1e30, end = -1e30;
+        for (int i = 0; i < 4; ++i) {
+            vec2 a = corners[i], b = corners[(i + 1) & 3];
+            if ((a.x <= x) == (b.x <= x)) continue;
+            float y = a.y + (x - a.x) * slope[i];
+            begin = min(begin, y);
+            end = max(end, y);
+        }
+        begin = clamp(begin, low.y, high.y);
+        end = clamp(end, low.y, high.y);
+        if (end <= begin || right <= left) continue;
+        vec2 texel = min(floor(vec2(begin, end)), 255.0);
+        int column = int(x);
+        uvec4 first = texelFetch(integrals, ivec3(column, int(texel.x), layer), 0);
+        uvec4 last = texelFetch(integrals, ivec3(column, int(texel.y), layer), 0);
+        COUNT(2);
+        vec4 between = vec4(((last & 0xffffff00u) - (first & 0xffffff00u)) >> 8);
+        sum += (right - left) * (between + part_of_texel(last, end - texel.y) - part_of_texel(first, begin - texel.x));
+        area += (right - left) * (end - begin);
+    }
+}
+
+vec4 line_integral(Footprint footprint, out float shown_level) {
+    // A footprint smaller than a texel grows to the size of one: over squares, that is bilinear interpolation
+    float x = length(footprint.dx), y = length(footprint.dy);
+    vec2 grow_x = x < 1.0 ? footprint.dx * (0.5 / max(x, 1e-6) - 0.5) : vec2(0.0);
+    vec2 grow_y = y < 1.0 ? footprint.dy * (0.5 / max(y, 1e-6) - 0.5) : vec2(0.0);
+    vec2 corners[4] = vec2[4](point_at(vec2(-0.5, -0.5)) - grow_x - grow_y, point_at(vec2(0.5, -0.5)) + grow_x - grow_y,
+                              point_at(vec2(0.5, 0.5)) + grow_x + grow_y, point_at(vec2(-0.5, 0.5)) - grow_x + grow_y);
+    vec2 low = min(min(corners[0], corners[1]), min(corners[2], corners[3]));
+    vec2 high = max(max(corners[0], corners[1]), max(corners[2], corners[3]));
+    vec2 size = max(high - low, vec2(1e-6));
+
+    // Lines run along the longer side: fewer of them
+    bool upright = size.y >= size.x;
+    float across = upright ? size.x : size.y;
+    shown_level = line_integral_level(across, upright ? size.y : size.x);
+    if (shown_level > float(top_level)) {
+        shown_level = float(top_level);
+        return sample_level(top_level, footprint.centre);
+    }
+    int level = int(shown_level);
+    float scale = inverse_power_of_two(level);
+    vec2 offset = origin_offset(level);
+    for (int i = 0; i < 4; ++i) {
+        corners[i] = corners[i] * scale + offset;
+        if (!upright) corners[i] = corners[i].yx;
+    }
+    low = low * scale + offset;
+    high = high * scale + offset;
+    if (!upright) {
+        low = low.yx;
+        high = high.yx;
+    }
+    float parts = clamp(floor(LEAST_COLUMNS / (across * scale) + 0.5), 1.0, LEAST_COLUMNS);
+
+    vec4 sum = vec4(0.0);
+    float area = 0.0;
+    vec2 first = floor(low / PAGE_SIDE), last = floor(high / PAGE_SIDE);
+    for (float row = first.y; row <= last.y; ++row) {
+        for (float column = first.x; column <= last.x; ++column) {
+            ivec2 steps = upright ? ivec2(column, row) : ivec2(row, column);
+            Cell cell;
+            if (!is_in_extent(level, steps) || !find_cell(level, steps, cell)) continue;
+            // Into the texels of the layer that shows this cell, and no further than the cell
+            float coarser = inverse_power_of_two(cell.level - level);
+            vec2 corner = upright ? cell.corner : cell.corner.yx;
+            vec2 shift = corner - PAGE_SIDE * coarser * vec2(column, row);
+            vec2 shown[4];
+            for (int i = 0; i < 4; ++i) shown[i] = corners[i] * coarser + shift;
+            vec4 cell_sum = vec4(0.0);
+            float cell_area = 0.0;
+            add_cell(shown, max(low * coarser + shift, corner), min(high * coarser + shift, corner + PAGE_SIDE * coarser),
+                     2 * cell.layer + (upright ? 0 : 1), parts, cell_sum, cell_area);
+            sum += cell_sum / (coarser * coarser);
+            area += cell_area / (coarser * coarser);
+        }
+    }
+    if (area <= 0.0) return sample_level(level, footprint.centre);
+    return sum / (area * 65535.0);
+}

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace tessera {
+
+/// What a filter reads for a pixel, as far as pages go. The shaders have the same formulas.
+struct Sampling {
+    enum class Kind {
+        isotropic,    ///< The two levels around the footprint's longer side.
+        anisotropic,  ///< The two levels around its shorter side, at most 16 times finer than the longer one.
+        line_integral,  ///< One level, by the width and length of the footprint's bounding box.
+    };
+    Kind kind = Kind::isotropic;
+    int subdivisions = 1;  ///< The pixel is sampled in so many parts a side.
+    bool operator==(const Sampling&) const = default;
+};
+
+inline constexpr double most_anisotropy = 16;
+
+/// The level, fractional and unclamped, of a line integral over a footprint whose bounding box is `across` by
+/// `along` texels, `across` the shorter: a whole number but for `bias`. line_integral.glsl says why.
+inline double line_integral_level(double across, double along) {
+    constexpr double most_columns = 24, most_pieces = 40, page_side = 256;
+    const double pages = along / (across * page_side);
+    const double columns =
+        std::min(most_columns, 2 * most_pieces / (1 + std::sqrt(1 + 4 * most_pieces * pages)));
+    return std::log2(across / columns);
+}
+
+}  // namespace tessera
