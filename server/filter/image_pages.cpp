@@ -42,7 +42,7 @@ class ImagePages final : public TexelPages {
                                                   std::int64_t, const Budget& budget) const override {
         x = across_.same_page(level, x);
         y = down_.same_page(level, y);
-        return cache_.get({x, y, 0, level}, budget, [&]() -> PageCache::Made {
+        return cache_.get({x, y, 0, level}, budget, [&]() -> TexelPageCache::Made {
             if (const auto within = check_budget(budget); !within) return within.error();
             auto page = std::make_shared<TexelPage>();
             page->steps.resize(std::size_t{4} * page_side_texels * page_side_texels);
@@ -148,7 +148,7 @@ class ImagePages final : public TexelPages {
     std::vector<std::uint16_t> steps_;  ///< RGBA of the image, rows from the top.
     std::vector<std::uint64_t> table_;  ///< Of describing blocks; a row and a column of zeros first.
     double texel_bound_codes_ = 0;
-    mutable PageCache cache_;
+    mutable TexelPageCache cache_;
 };
 
 }  // namespace

@@ -7,14 +7,15 @@
 
 namespace tessera {
 
-std::size_t PageCache::KeyHash::operator()(const Key& key) const noexcept {
+std::size_t TexelPageCache::KeyHash::operator()(const Key& key) const noexcept {
     return hash(static_cast<std::uint64_t>(key.slice), key.level, key.x, key.y);
 }
 
-PageCache::PageCache(std::size_t cache_bytes)
+TexelPageCache::TexelPageCache(std::size_t cache_bytes)
     : most_pages_{std::max<std::size_t>(1, cache_bytes / texel_page_bytes)} {}
 
-PageCache::Made PageCache::get(const Key& key, const Budget& budget, const std::function<Made()>& make) {
+TexelPageCache::Made TexelPageCache::get(const Key& key, const Budget& budget,
+                                         const std::function<Made()>& make) {
     std::unique_lock lock{mutex_};
     for (;;) {
         const auto found = by_key_.find(key);
@@ -60,7 +61,7 @@ PageCache::Made PageCache::get(const Key& key, const Budget& budget, const std::
     return made;
 }
 
-std::size_t PageCache::memory_bytes() const noexcept {
+std::size_t TexelPageCache::memory_bytes() const noexcept {
     const std::lock_guard lock{mutex_};
     return by_key_.size() * texel_page_bytes;
 }

@@ -14,7 +14,7 @@
 namespace tessera {
 
 /// The pages that were asked for last. Any thread may ask; a page that several want is made once.
-class PageCache {
+class TexelPageCache {
   public:
     struct Key {
         std::int64_t x = 0, y = 0, slice = 0;
@@ -24,7 +24,7 @@ class PageCache {
     using Made = Result<std::shared_ptr<const TexelPage>>;
 
     /// Keeps at most `cache_bytes`, and always one page.
-    explicit PageCache(std::size_t cache_bytes);
+    explicit TexelPageCache(std::size_t cache_bytes);
 
     /// The page, or what `make` makes of it outside any lock. Whoever waits for another's page gives up by
     /// its own budget, and makes the page itself if the other failed.

@@ -24,8 +24,8 @@ class TexturePages final : public TexelPages {
     }
 
   private:
-    PageCache::Made make(std::uint8_t level, std::int64_t x, std::int64_t y, std::int64_t slice,
-                         const Budget& budget) const {
+    TexelPageCache::Made make(std::uint8_t level, std::int64_t x, std::int64_t y, std::int64_t slice,
+                              const Budget& budget) const {
         Budget mine = budget;
         mine.accuracy = accuracy_;
         LinearImage texels;
@@ -48,7 +48,7 @@ class TexturePages final : public TexelPages {
 
     std::shared_ptr<const Texture> texture_;
     Accuracy accuracy_;
-    mutable PageCache cache_;
+    mutable TexelPageCache cache_;
 };
 
 }  // namespace
