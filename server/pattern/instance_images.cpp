@@ -4,9 +4,8 @@
 #include <array>
 #include <limits>
 
-#include "server/filter/parallelogram.h"
-#include "server/filter/turning.h"
-#include "shared/math/srgb.h"
+#include "server/filter/turned_image.h"
+#include "server/pattern/premultiplied_steps.h"
 
 namespace tessera {
 namespace {
@@ -58,46 +57,6 @@ std::int32_t image_side(const ReferencePlan& plan, std::size_t turn, std::size_t
     return bounding_side(plan.patterns->side, plan.transform->scales[scale], plan.transform->turns[turn]);
 }
 
-/// All images of the set, premultiplied, in linear steps.
-std::vector<std::uint16_t> premultiplied_steps(const PatternImages& patterns) {
-    std::vector<std::uint16_t> steps(patterns.codes.size());
-    for (std::size_t i = 0; i < steps.size(); i += 4) {
-        const std::uint32_t alpha = patterns.codes[i + 3];
-        for (std::size_t c = 0; c < 3; ++c)
-            steps[i + c] =
-                static_cast<std::uint16_t>((srgb_to_steps[patterns.codes[i + c]] * alpha + 127) / 255);
-        steps[i + 3] = static_cast<std::uint16_t>(alpha * 257);
-    }
-    return steps;
-}
-
-/// The weights of a row of texels of an image, for all patterns alike.
-struct RowTaps {
-    std::vector<Tap> taps;
-    std::vector<std::size_t> from;  ///< Of each texel, and behind the last.
-
-    void clear() {
-        taps.clear();
-        from.assign(1, 0);
-    }
-    void add(std::span<const Tap> more, double factor) {
-        for (const Tap& tap : more) taps.push_back({tap.texel, tap.weight * factor});
-        from.push_back(taps.size());
-    }
-};
-
-void sum_row(const RowTaps& row, const std::uint16_t* image, std::vector<std::uint16_t>& out) {
-    for (std::size_t x = 0; x + 1 < row.from.size(); ++x) {
-        std::array<double, 4> sum{0.5, 0.5, 0.5, 0.5};
-        for (std::size_t k = row.from[x]; k < row.from[x + 1]; ++k) {
-            const std::uint16_t* texel = image + static_cast<std::size_t>(row.taps[k].texel) * 4;
-            for (std::size_t c = 0; c < 4; ++c) sum[c] += row.taps[k].weight * texel[c];
-        }
-        for (std::size_t c = 0; c < 4; ++c)
-            out[x * 4 + c] = static_cast<std::uint16_t>(std::min(sum[c], 65535.0));
-    }
-}
-
 }  // namespace
 
 std::uint64_t InstanceImages::bytes(const ReferencePlan& plan) {
@@ -140,36 +99,17 @@ InstanceImages::InstanceImages(const ReferencePlan& plan)
 /// Weights depend on the turn and the scale only: they are found once, and serve every pattern.
 void InstanceImages::render(const ReferencePlan& plan, std::size_t turn, std::size_t scale,
                             const std::vector<std::uint16_t>& steps) {
-    const std::int32_t pattern_side = plan.patterns->side, side = image_side(plan, turn, scale);
-    const double size = plan.transform->scales[scale];
-    const Turning t = turning(plan.transform->turns[turn]);
-    const bool onto_texels = size == 1 && (t.cosine == 0 || t.sine == 0);
-
-    // From the image back into the pattern: turned back and divided by the scale, middle to middle
-    const double c = t.cosine / size, s = t.sine / size;
-    FootprintTaps footprints{pattern_side, pattern_side};
-    const std::size_t image_steps =
-        static_cast<std::size_t>(pattern_side) * static_cast<std::size_t>(pattern_side) * 4;
-    RowTaps row;
+    const std::int32_t side = image_side(plan, turn, scale);
+    TurnedImage turned{{.side = plan.patterns->side,
+                        .scale = plan.transform->scales[scale],
+                        .turns = plan.transform->turns[turn],
+                        .width = side,
+                        .middle_x = 0.5 * side,
+                        .middle_y = 0.5 * side}};
+    const auto pattern_side = static_cast<std::size_t>(plan.patterns->side);
     std::vector<std::uint16_t> texels(static_cast<std::size_t>(side) * 4);
     for (std::int32_t y = 0; y < side; ++y) {
-        row.clear();
-        for (std::int32_t x = 0; x < side; ++x) {
-            const double from_x = x - 0.5 * side, from_y = y - 0.5 * side;
-            const Parallelogram footprint{.x = 0.5 * pattern_side + c * from_x + s * from_y,
-                                          .y = 0.5 * pattern_side - s * from_x + c * from_y,
-                                          .along_x = c,
-                                          .along_y = -s,
-                                          .across_x = s,
-                                          .across_y = c};
-            if (onto_texels) {
-                const auto i = static_cast<std::int32_t>(footprint.x + 0.5 * (c + s));
-                const auto j = static_cast<std::int32_t>(footprint.y + 0.5 * (c - s));
-                row.add(std::array{Tap{j * pattern_side + i, 1.0}}, 1.0);
-            } else {
-                row.add(footprints.of(footprint), size * size);
-            }
-        }
+        turned.set_row(y);
         for (std::int32_t pattern = 0; pattern < plan.patterns->count; ++pattern) {
             const std::int32_t first = first_[look_index(pattern, turn, scale)];
             if (first < 0) continue;
@@ -177,7 +117,7 @@ void InstanceImages::render(const ReferencePlan& plan, std::size_t turn, std::si
                 const std::size_t image =
                     static_cast<std::size_t>(pattern) * static_cast<std::size_t>(slices_) +
                     static_cast<std::size_t>(slice);
-                sum_row(row, steps.data() + image * image_steps, texels);
+                turned.sum(steps.data() + image * pattern_side * pattern_side * 4, texels.data());
                 images_[static_cast<std::size_t>(first + slice)].set_row(y, texels.data());
             }
         }
