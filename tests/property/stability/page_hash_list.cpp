@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "shared/page/page_key.h"
+#include "tests/property/stability/places.h"
 
 namespace tessera::tests {
 namespace {
@@ -14,18 +14,6 @@ struct Hash {
     std::uint64_t value = 0xcbf29ce484222325u;  // FNV-1a, by words
     void add(std::uint32_t word) { value = (value ^ word) * 0x100000001b3u; }
 };
-
-TexelRegion region_at(std::uint8_t level, std::size_t place, std::int32_t side) {
-    const std::int64_t far = std::int64_t{1} << (38 - level);
-    const std::array<std::array<std::int64_t, 2>, 5> places{{
-        {0, 0},
-        {-13, -7},
-        {far - 9, far / 2 - 11},
-        {std::int64_t{1234567891} >> level, -(std::int64_t{76543210987} >> level)},
-        {-far, far + 5},
-    }};
-    return {level, places[place][0], places[place][1], side, side - 3};
-}
 
 }  // namespace
 

@@ -116,8 +116,7 @@ struct Made {
     std::int32_t side = 24;
     bool see_through = false;  ///< Lies on a ground where all is of one colour.
     bool has_slices = false;
-    bool cut_keeps_bits = true;
-    std::string output = "";  ///< The block that is the texture; unset: the last.
+    bool composites = false;
 };
 
 std::vector<Made> made() {
@@ -171,10 +170,10 @@ std::vector<Made> made() {
              R"({"name": "film", "animation_sequence": {"frames": [{"pattern": 0, "steps": 2}, {"pattern": 1}, {"pattern": 3}]}},
              {"name": "phase", "virtual_indirection_map": {"grid": "cells", "count": 16}},
              {"name": "which", "animation_map": {"sequence": "film", "phase": {"block": "phase"}, "rest": {"integer": 3}}})")},
-        {"instances", instances("false", "typed"), 24, true},
-        {"instances_independent", instances("false", "independent"), 12, true},
-        {"overflow", instances("true", "typed"), 16, true},
-        {"overflow_independent", instances("true", "independent"), 8, true},
+        {"instances", instances("false", "typed"), 24, true, false, true},
+        {"instances_independent", instances("false", "independent"), 12, true, false, true},
+        {"overflow", instances("true", "typed"), 16, true, false, true},
+        {"overflow_independent", instances("true", "independent"), 8, true, false, true},
         {"slices",
          R"({"name": "deep", "virtual_tile_map": {"cell_texels": 8, "cell_slices": 4, "types": 128}},
              {"name": "volume", "pattern_set": {"image": "opaque", "side_texels": 8, "count": 3, "slices": 4}},
@@ -191,16 +190,16 @@ std::vector<Made> made() {
         {"layers_of_two_grids",
          layered + tiling(drawn("typed")) +
              R"(, {"name": "layers", "layers": {"textures": ["tiles", "dots"]}})",
-         8, false, false, false},
+         8, false, false, true},
         {"layers_over_photograph",
          R"({"name": "ground", "content_exchange": {"asset": "made"}}, )" + instances("true", "typed") +
              R"(, {"name": "layers", "layers": {"textures": ["ground", "things"]}})",
-         6, false, false, false},
+         6, false, false, true},
         {"pixel_map",
          tiling(drawn("typed")) + ", " + layered +
              R"({"name": "ground", "content_exchange": {"asset": "made"}},
              {"name": "mask", "pixel_map": {"image": "map", "textures": ["tiles", "ground", "ground", "tiles"], "texels": 4}})",
-         6, false, false, false},
+         6, false, false, true},
     };
 }
 
@@ -229,7 +228,7 @@ std::vector<Subject> pattern_subjects(int code) {
                       R"(}}, {"name": "on-ground", "layers": {"textures": ["under", ")" + top + R"("]}})";
         }
         all.push_back({"pattern_" + one.name, texture_of(one.name, blocks, code), one.side, one.has_slices,
-                       one.cut_keeps_bits});
+                       one.composites});
     }
     return all;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/texture/texture.h"
+#include "shared/page/accuracy.h"
 
 namespace tessera::tests {
 
@@ -16,9 +17,14 @@ struct Subject {
     /// Of the squares that are looked at: less where a texel costs much.
     std::int32_t side = 40;
     bool has_slices = false;
-    /// Whether a region gives the same bits however it is cut, at every level and accuracy. Layers, pixel
-    /// maps and chance may answer a larger region less exactly, within their bounds.
-    bool cut_keeps_bits = true;
+    /// It puts what is see-through on a ground: premultiplied colours are kept in 65535ths, and are rounded.
+    bool composites = false;
+
+    /// exact, high and fast in turn by level; where descending makes exact texels dear, not exact.
+    Accuracy accuracy_at(std::uint8_t level) const {
+        const Accuracy asked = accuracies[level % accuracies.size()];
+        return side < 20 && level > 3 && asked == Accuracy::exact ? Accuracy::fast : asked;
+    }
 };
 
 /// Every way to make texels: constants, checkers, content exchange, interchangeable patches, corner tiles,
