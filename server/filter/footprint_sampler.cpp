@@ -46,14 +46,14 @@ std::unique_ptr<FootprintSampler> make_sampler(const FootprintFilter& filter,
         case FilterKind::anisotropic:
             return make_anisotropic(filter, std::move(pages), memory_bytes);
         case FilterKind::ewa:
-            break;
+            return make_ewa(filter, std::move(pages), memory_bytes);
         case FilterKind::summed_area:
-            break;
+            return make_summed_area(filter, std::move(pages), memory_bytes);
         case FilterKind::line_integral:
             return make_line_integral(filter, std::move(pages), memory_bytes);
         case FilterKind::supersampling_grid:
         case FilterKind::supersampling_jittered:
-            break;
+            return make_supersampling(filter, std::move(pages), memory_bytes);
         case FilterKind::exact:
             break;
     }

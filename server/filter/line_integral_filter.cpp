@@ -12,7 +12,7 @@ namespace {
 constexpr double most_lines = 1024;
 constexpr double most_pages = 300;
 /// Narrower footprints, in texels, are left to the exact filter.
-constexpr double least_width = 1.0 / 64;
+constexpr double least_width = 0x1p-14;
 
 /// The integral between a polygon's edges and the line where places begin: Σ over edges of ∫ S dx (Green).
 /// x counts lines, y places, both inside the page.

@@ -76,7 +76,7 @@ TEST(FootprintSampler, NoFilterLeavesItsCertainBound) {
 
 TEST(FootprintSampler, ConstantsStayConstantToTheLastBit) {
     RandomFootprints footprints{5};
-    for (const unsigned code : {0u, 1u, 77u, 254u, 255u}) {
+    for (const unsigned code : {1u, 77u, 255u}) {
         const float value = static_cast<float>(code * 257) / 65535.0F;
         const auto pages = pages_of_image(constant_image(64, 32, {value, value / 2, 0, 1}), Beyond::repeat);
         const FilteredSample expected =
@@ -84,8 +84,8 @@ TEST(FootprintSampler, ConstantsStayConstantToTheLastBit) {
         EXPECT_EQ(expected.color[0], value);
         for (const FootprintFilter& filter : all_filters()) {
             const auto sampler = make_sampler(filter, pages);
-            for (int i = 0; i < 40; ++i) {
-                const Footprint f = footprints.next(-3 + i, i * i, i < 30 ? 200 : 1e7);
+            for (int i = 0; i < 24; ++i) {
+                const Footprint f = footprints.next(-3 + i, i * i, i < 20 ? 200 : 1e7);
                 ASSERT_EQ(sample_one(*sampler, f).color, expected.color) << name_of(filter) << ' ' << i;
             }
         }
