@@ -30,10 +30,12 @@ inline constexpr std::array filters{Filter::nearest,     Filter::bilinear,      
 struct FilterChoice {
     Filter filter = Filter::trilinear;
     int subsamples = 4;  ///< Of Filter::supersample: n, 2 to max_subsamples.
+    int columns = 6;     ///< Of Filter::line_integral: lines across a footprint, 2 to max_columns. Twice as
+                         ///< many read four times as many pages.
     auto operator<=>(const FilterChoice&) const = default;
 };
 
-inline constexpr int max_subsamples = 16;
+inline constexpr int max_subsamples = 16, max_columns = 32;
 
 /// The word for it in options and reports.
 constexpr std::string_view name_of(Filter filter) noexcept {
@@ -71,7 +73,7 @@ constexpr Sampling sampling_of(FilterChoice choice) noexcept {
         case Filter::driver_anisotropic:
             return {Sampling::Kind::anisotropic, 1};
         case Filter::line_integral:
-            return {Sampling::Kind::line_integral, 1};
+            return {Sampling::Kind::line_integral, 1, choice.columns};
         case Filter::supersample:
             return {Sampling::Kind::isotropic, choice.subsamples};
         default:

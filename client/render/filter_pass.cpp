@@ -57,6 +57,7 @@ FilterPass::FilterPass(std::size_t picture_block_bytes)
 
 Result<GLuint> FilterPass::program(ShaderVariant variant) {
     if (variant.filter.filter != Filter::supersample) variant.filter.subsamples = 0;
+    variant.filter.columns = 0;  // a uniform
     if (const auto found = programs_.find(variant); found != programs_.end()) return found->second.name();
     if (variant.filter.filter == Filter::driver_anisotropic && !has_driver_anisotropy())
         return Error{ErrorCode::io_failure, "this driver has no anisotropic sampler"};

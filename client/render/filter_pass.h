@@ -26,7 +26,8 @@ struct SourceBlock {
     float fade_ms = 0;
     float lod_bias = 0;
     std::int32_t side_log2 = 0;
-    float unused[2] = {};
+    float most_columns = 8;
+    float unused = 0;
 
     /// Positions count from `origin`: the page of level 0 that holds it, and where in that page it lies.
     void set_origin(const PlanePoint& origin);

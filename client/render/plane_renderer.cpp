@@ -45,9 +45,9 @@ int rows_of_plane(const PlaneView& view) {
 }
 
 ShaderVariant variant_of(const PlaneStyle& style) {
-    const bool stored = style.filter == Filter::stored;
+    const bool stored = style.filter.filter == Filter::stored;
     return {.picture = ShaderVariant::Picture::plane,
-            .filter = {style.filter, style.subsamples},
+            .filter = style.filter,
             .fading = style.fade_ms > 0 && !stored,
             .page_borders = style.page_borders && !stored};
 }
@@ -70,9 +70,10 @@ Result<void> PlaneRenderer::draw(const FrameTarget& target, const PlaneView& vie
     source.window_side = window_side;
     source.now_ms = style.now_ms;
     source.fade_ms = style.fade_ms;
+    source.most_columns = static_cast<float>(style.filter.columns);
     source.lod_bias = static_cast<float>(style.lod_bias);
 
-    const bool stored = style.filter == Filter::stored;
+    const bool stored = style.filter.filter == Filter::stored;
     const int below = rows_of_plane(view);
     glEnable(GL_SCISSOR_TEST);
     Result<void> sky, plane;

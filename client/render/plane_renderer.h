@@ -12,8 +12,7 @@
 namespace tessera {
 
 struct PlaneStyle {
-    Filter filter = Filter::trilinear;
-    int subsamples = 4;         ///< See FilterChoice::subsamples.
+    FilterChoice filter{};
     double lod_bias = 0;        ///< Added to each pixel's level.
     std::uint32_t now_ms = 0;   ///< On the clock of TableEntry::arrival_ms.
     float fade_ms = 0;          ///< How long a new page takes to fade in; 0: at once, and cheaper.

@@ -48,7 +48,7 @@ Result<void> PlaneScene::draw(const FrameTarget& target, const PlaneView& view, 
     style.lod_bias = lod_bias_;
     style.now_ms = static_cast<std::uint32_t>(now_.count());
     if (now_ - last_upload_ > std::chrono::duration<float, std::milli>{style.fade_ms}) style.fade_ms = 0;
-    if (style.filter == Filter::line_integral)
+    if (style.filter.filter == Filter::line_integral)
         if (const auto there = bring_integrals(); !there) return there.error();
     return renderer_.draw(
         target, view,

@@ -65,7 +65,8 @@ class Blocks {
             // Grown to a texel, as in line_integral.glsl
             const double width = std::max(right - left, 0.7), height = std::max(bottom - top, 0.7);
             const double level =
-                line_integral_level(std::min(width, height), std::max(width, height)) + lod_bias_;
+                line_integral_level(std::min(width, height), std::max(width, height), sampling_.columns) +
+                lod_bias_;
             return {std::ceil(level - margin), std::ceil(level + margin)};
         }
         const double along_row = std::hypot(b.x - a.x + c.x - d.x, b.y - a.y + c.y - d.y) / 2;

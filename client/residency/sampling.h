@@ -14,6 +14,7 @@ struct Sampling {
     };
     Kind kind = Kind::isotropic;
     int subdivisions = 1;  ///< The pixel is sampled in so many parts a side.
+    int columns = 6;       ///< Of line_integral: at most so many across a footprint.
     bool operator==(const Sampling&) const = default;
 };
 
@@ -21,8 +22,8 @@ inline constexpr double most_anisotropy = 16;
 
 /// The level, fractional and unclamped, of a line integral over a footprint whose bounding box is `across` by
 /// `along` texels, `across` the shorter: a whole number but for `bias`. line_integral.glsl says why.
-inline double line_integral_level(double across, double along) {
-    constexpr double most_columns = 24, most_pieces = 40, page_side = 256;
+inline double line_integral_level(double across, double along, double most_columns) {
+    constexpr double most_pieces = 40, page_side = 256;
     const double pages = along / (across * page_side);
     const double columns =
         std::min(most_columns, 2 * most_pieces / (1 + std::sqrt(1 + 4 * most_pieces * pages)));

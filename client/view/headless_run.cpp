@@ -58,7 +58,7 @@ class Run {
     ResidencyFrame update(const PlaneView& view, view::FrameMetrics& frame) {
         const auto started = Clock::now();
         const auto requested = scene_.residency().requests().counts().requested;
-        ResidencyFrame outcome = scene_.update(view, now());
+        ResidencyFrame outcome = scene_.update(view, now(), job_.filter);
         frame.set_requests(
             frame.requests() +
             static_cast<std::uint32_t>(scene_.residency().requests().counts().requested - requested));
@@ -107,7 +107,10 @@ class Run {
             frame.set_time_to_sharp_ms(milliseconds_since(started));
         }
         const auto drawing = Clock::now();
-        scene_.draw(target_, view, {.fade_ms = job_.settle ? 0.0F : 150.0F});
+        if (const auto drawn =
+                scene_.draw(target_, view, {.filter = job_.filter, .fade_ms = job_.settle ? 0.0F : 150.0F});
+            !drawn)
+            return drawn.error();
         const Rgba8Image image = target_.read();
         frame.set_draw_ms(milliseconds_since(drawing));
         char name[32];

@@ -16,6 +16,7 @@ struct HeadlessJob {
     int width = 800;  ///< Pixels, 16 to 8192
     int height = 700;
     bool settle = true;  ///< Each frame waits until every page it needs is there.
+    FilterChoice filter{};
     std::filesystem::path folder;
     std::chrono::milliseconds patience{60'000};  ///< Without any page arriving, before a frame gives up.
 };

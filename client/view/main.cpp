@@ -2,7 +2,11 @@
 #include <algorithm>
 #include <cstdio>
 
+#include <unistd.h>
+
 #include "client/render/gl_context.h"
+#include "client/view/compare_filters.h"
+#include "client/view/compare_report.h"
 #include "client/view/headless_run.h"
 #include "client/view/http_page_source.h"
 #include "client/view/options.h"
@@ -36,6 +40,7 @@ Result<void> draw_headless(const Options& options, const SceneInfo& info, const 
                           .width = options.width,
                           .height = options.height,
                           .settle = options.settle,
+                          .filter = options.filter,
                           .folder = options.output};
     auto metrics = run_headless(job, **scene, [&](auto timeout) { source.wait(timeout); });
     if (!metrics) return metrics.error();
@@ -48,7 +53,36 @@ Result<void> draw_headless(const Options& options, const SceneInfo& info, const 
     return {};
 }
 
+Result<void> compare(const Options& options) {
+    std::vector<CompareTexture> textures{made_checker()};
+    if (!options.textures.empty()) {
+        auto read = read_textures(options.textures);
+        if (!read) return read.error();
+        textures = std::move(*read);
+    }
+    for (const CompareTexture& texture : textures)
+        if (!texture.cropped.empty()) std::fprintf(stderr, "tessera-view: %s\n", texture.cropped.c_str());
+    const auto context = make_headless_context();
+    if (!context) return context.error();
+    if (const auto checked = check_gl_version(); !checked) return checked.error();
+    const bool is_watched = isatty(STDERR_FILENO) != 0;
+    const auto report = compare_filters({.textures = std::move(textures),
+                                         .width = options.width,
+                                         .height = options.height,
+                                         .folder = options.output,
+                                         .command = options.command_line},
+                                        [&](const std::string& doing) {
+                                            if (is_watched) std::fprintf(stderr, "\r\33[K%s", doing.c_str());
+                                        });
+    if (is_watched) std::fputs("\r\33[K", stderr);
+    if (!report) return report.error();
+    std::printf("%stessera-view: %d rows in %s\n", table_of(*report).c_str(), report->rows_size(),
+                (options.output / "report.json").c_str());
+    return {};
+}
+
 Result<void> run(const Options& options) {
+    if (options.compare_filters) return compare(options);
     const auto server = parse_server_address(options.url);
     if (!server) return server.error();
     const auto info = read_scene_info(*server, options.scene);

@@ -14,6 +14,7 @@ constexpr const char* after_help = R"(In the window:
 Examples:
   tessera-view http://127.0.0.1:7070 pebbles
   tessera-view http://127.0.0.1:7070 pebbles --headless --frames 60 --camera path.json -o frames
+  tessera-view --headless --compare-filters --textures photographs -o report
 
 Without a display (--headless) an off-screen OpenGL context is used (EGL, surfaceless): it needs no X server, and on
 a machine with no GPU Mesa's software rasteriser draws. frame_0000.png … and metrics.json are written. A camera path:
@@ -31,6 +32,19 @@ std::string read_size(const std::string& text, Options& options) {
     return {};
 }
 
+/// What is missing, or asked for in vain.
+std::string check_compare(const Options& options) {
+    if (!options.compare_filters) {
+        if (!options.textures.empty()) return "--textures is for --compare-filters";
+        if (options.url.empty() || options.scene.empty()) return "URL and SCENE are required";
+        return {};
+    }
+    if (!options.headless) return "--compare-filters needs --headless";
+    if (!options.url.empty())
+        return "--compare-filters takes no URL: its textures come from --textures FOLDER";
+    return {};
+}
+
 }  // namespace
 
 bool read_options(int argc, const char* const* argv, Options& options, int& exit_code) {
@@ -39,8 +53,8 @@ bool read_options(int argc, const char* const* argv, Options& options, int& exit
     app.footer(after_help);
     app.set_version_flag("--version", std::string{"tessera-view "} + TESSERA_VERSION);
     std::string size;
-    app.add_option("URL", options.url, "The server, as in http://127.0.0.1:7070")->required();
-    app.add_option("SCENE", options.scene, "The scene's id; the server lists them at URL/scenes")->required();
+    app.add_option("URL", options.url, "The server, as in http://127.0.0.1:7070");
+    app.add_option("SCENE", options.scene, "The scene's id; the server lists them at URL/scenes");
     std::string channels{name_of(options.channels)};
     app.add_option("--channels", channels,
                    "albedo, normal, roughness, height or moments, if the scene has it")
@@ -58,6 +72,28 @@ bool read_options(int argc, const char* const* argv, Options& options, int& exit
     app.add_flag("--settle,!--free-run", options.settle,
                  "Each headless frame waits until every page it needs is there (the default); "
                  "--free-run keeps to the clock instead");
+    app.add_option("--width", options.width, "Pixels, instead of --size")->check(CLI::Range(16, 8192));
+    app.add_option("--height", options.height, "Pixels, instead of --size")->check(CLI::Range(16, 8192));
+    std::string filter{name_of(options.filter.filter)};
+    std::vector<std::string> filter_names;
+    for (const Filter known : filters) filter_names.emplace_back(name_of(known));
+    app.add_option("--filter", filter, "How texels become pixels; F in the window switches")
+        ->check(CLI::IsMember(filter_names))
+        ->capture_default_str();
+    app.add_option(
+           "--columns", options.filter.columns,
+           "Of the line integral: lines across a pixel's footprint; more are finer and read more pages")
+        ->check(CLI::Range(2, max_columns))
+        ->capture_default_str();
+    app.add_option("--subsamples", options.filter.subsamples, "Of supersampling: N, for N×N samples a pixel")
+        ->check(CLI::Range(2, max_subsamples))
+        ->capture_default_str();
+    app.add_flag("--compare-filters", options.compare_filters,
+                 "Draw three situations with every filter, compare with the true area integrals, and write "
+                 "report.json "
+                 "and pictures; needs --headless and no server");
+    app.add_option("--textures", options.textures,
+                   "Folder of PNG images for --compare-filters; without it a checker");
     app.add_option("--cache-pages", options.cache_pages, "Pages kept on the GPU, 279 KB each")
         ->capture_default_str()
         ->check(CLI::Range(64, 2048));
@@ -69,6 +105,8 @@ bool read_options(int argc, const char* const* argv, Options& options, int& exit
         if (!size.empty())
             if (const std::string wrong = read_size(size, options); !wrong.empty())
                 throw CLI::ValidationError{wrong};
+        if (const std::string wrong = check_compare(options); !wrong.empty())
+            throw CLI::ValidationError{wrong};
         if (options.headless && options.output.empty())
             throw CLI::ValidationError{"--headless needs -o FOLDER, where the frames go"};
     } catch (const CLI::ParseError& error) {
@@ -76,10 +114,10 @@ bool read_options(int argc, const char* const* argv, Options& options, int& exit
         return false;
     }
     options.channels = *channel_set_named(channels);
-    if (options.width == 0) {
-        options.width = options.headless ? 800 : 1280;
-        options.height = options.headless ? 700 : 800;
-    }
+    options.filter.filter = *filter_named(filter);
+    if (options.width == 0) options.width = options.headless ? 800 : 1280;
+    if (options.height == 0) options.height = options.headless ? 700 : 800;
+    for (int i = 0; i < argc; ++i) options.command_line += std::string{i == 0 ? "" : " "} + argv[i];
     if (options.headless && options.frames == 0) options.frames = 1;
     return true;
 }

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 
+#include "client/render/filter.h"
 #include "shared/page/channel_set.h"
 
 namespace tessera {
@@ -19,6 +20,10 @@ struct Options {
     std::filesystem::path output;  ///< Folder for frames and screenshots
     int frames = 0;                ///< Frames to draw; 0: one, or until the window is closed
     bool headless = false;
+    FilterChoice filter{};
+    bool compare_filters = false;
+    std::filesystem::path textures;  ///< Folder of compare_filters; empty: a built-in checker
+    std::string command_line;
     bool settle = true;
     std::size_t cache_pages = 512;  ///< See ResidencySettings::slots
     std::size_t in_flight = 12;     ///< See RequestLimits::in_flight

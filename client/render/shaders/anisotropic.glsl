@@ -5,8 +5,17 @@ const float MAX_PROBES = 16.0;
 vec4 probes_of_level(int level, Footprint footprint, vec2 side, float probes) {
     Near found = find_near(level, footprint.centre, 0.5 * abs(side));
     vec4 sum = vec4(0.0);
-    for (float probe = 1.0; probe <= probes; ++probe)
-        sum += sample_near(found, footprint.centre, (probe / (probes + 1.0) - 0.5) * side);
+    // Two loops, since a software rasteriser runs what it skips too
+    float near_probes = found.serves ? probes : 0.0, far_probes = probes - near_probes;
+    vec2 step = side / (probes + 1.0);
+    Place place = found.place;
+    place.texel -= 0.5 * inverse_power_of_two(place.level) * side;
+    for (float probe = 1.0; probe <= near_probes; ++probe) {
+        place.texel += inverse_power_of_two(place.level) * step;
+        sum += bilinear_at(place);
+    }
+    for (float probe = 1.0; probe <= far_probes; ++probe)
+        sum += sample_level(level, footprint.centre - 0.5 * side + probe * step);
     return sum / probes;
 }
 
@@ -19,9 +28,8 @@ vec4 anisotropic(Footprint footprint, out float level) {
     level = clamped_level(log2(footprint.longer / probes));
     vec2 side = dot(footprint.dx, footprint.dx) > dot(footprint.dy, footprint.dy) ? footprint.dx : footprint.dy;
     int finer = int(floor(level));
-    vec4 fine = probes_of_level(finer, footprint, side, probes);
-    if (level == float(finer)) return fine;
-    return mix(fine, probes_of_level(min(finer + 1, top_level), footprint, side, probes), level - float(finer));
+    return mix(probes_of_level(finer, footprint, side, probes),
+               probes_of_level(min(finer + 1, top_level), footprint, side, probes), level - float(finer));
 }
 
 // The driver's own, on the levels that the formula would take

@@ -38,27 +38,18 @@ float isotropic_level(Footprint footprint) { return clamped_level(log2(footprint
 // A level's page under the footprint's centre: where all that a footprint samples lies around it, one look into the
 // page table serves for all
 struct Near {
-    int level;
     bool serves;
     Place place;
 };
 
 Near find_near(int level, vec2 centre, vec2 reach) {
     Near found;
-    found.level = level;
     found.serves = find_place(level, centre, found.place) &&
                    is_around(found.place, reach * inverse_power_of_two(found.place.level));
 #ifdef FADING
     found.serves = found.serves && float(now_ms - found.place.arrival_ms) >= fade_ms;
 #endif
     return found;
-}
-
-vec4 sample_near(Near found, vec2 centre, vec2 offset) {
-    if (!found.serves) return sample_level(found.level, centre + offset);
-    Place place = found.place;
-    place.texel += offset * inverse_power_of_two(place.level);
-    return bilinear_at(place);
 }
 
 vec4 trilinear(vec2 ground, float level) {

@@ -8,7 +8,6 @@
 // less than 2^24: differences are exact, wherever the sums wrap.
 layout(binding = 3) uniform usampler2DArray integrals;
 
-const float MOST_COLUMNS = 24.0;  // across a footprint, before a coarser level serves
 const float MOST_PIECES = 40.0;   // columns × pages that each of them crosses
 const float LEAST_COLUMNS = 8.0;  // fewer are cut into parts, so that slanted sides count for what they cover
 
@@ -30,7 +29,7 @@ vec4 part_of_texel(uvec4 word, float part) {
 // How fine a level the quadrilateral needs. Long ones cross many pages with each column: they get fewer columns.
 float line_integral_level(float across, float along) {
     float pages = along / (across * PAGE_SIDE);
-    float columns = min(MOST_COLUMNS, 2.0 * MOST_PIECES / (1.0 + sqrt(1.0 + 4.0 * MOST_PIECES * pages)));
+    float columns = min(most_columns, 2.0 * MOST_PIECES / (1.0 + sqrt(1.0 + 4.0 * MOST_PIECES * pages)));
     return max(ceil(log2(across / columns) + lod_bias), 0.0);
 }
 
@@ -82,10 +81,8 @@ vec4 line_integral(Footprint footprint, out float shown_level) {
     bool upright = size.y >= size.x;
     float across = upright ? size.x : size.y;
     shown_level = line_integral_level(across, upright ? size.y : size.x);
-    if (shown_level > float(top_level)) {
-        shown_level = float(top_level);
-        return sample_level(top_level, footprint.centre);
-    }
+    bool is_beyond_levels = shown_level > float(top_level);
+    shown_level = min(shown_level, float(top_level));
     int level = int(shown_level);
     float scale = inverse_power_of_two(level);
     vec2 offset = origin_offset(level);
@@ -103,7 +100,7 @@ vec4 line_integral(Footprint footprint, out float shown_level) {
 
     vec4 sum = vec4(0.0);
     float area = 0.0;
-    vec2 first = floor(low / PAGE_SIDE), last = floor(high / PAGE_SIDE);
+    vec2 first = floor(low / PAGE_SIDE), last = is_beyond_levels ? first - 1.0 : floor(high / PAGE_SIDE);
     for (float row = first.y; row <= last.y; ++row) {
         for (float column = first.x; column <= last.x; ++column) {
             ivec2 steps = upright ? ivec2(column, row) : ivec2(row, column);
@@ -123,6 +120,6 @@ vec4 line_integral(Footprint footprint, out float shown_level) {
             area += cell_area / (coarser * coarser);
         }
     }
-    if (area <= 0.0) return sample_level(level, footprint.centre);
-    return sum / (area * 65535.0);
+    // Of no area, or larger than the coarsest level resolves
+    return area > 0.0 ? sum / (area * 65535.0) : sample_level(level, footprint.centre);
 }

@@ -11,6 +11,7 @@ layout(std140, binding = 0) uniform Source {
     float fade_ms;
     float lod_bias;
     int side_log2;        // of a whole texture
+    float most_columns;   // of a line integral, across a footprint, before a coarser level serves
 };
 
 const float PAGE_SIDE = 256.0;

@@ -1,4 +1,13 @@
 // A grid of SUBSAMPLES × SUBSAMPLES trilinear samples in each pixel, each on the level of its share of the footprint.
+vec2 subsample(int index) {
+    return point_at((vec2(index % SUBSAMPLES, index / SUBSAMPLES) + 0.5) / float(SUBSAMPLES) - 0.5);
+}
+
+vec4 near_texel(Place place, vec2 offset) {
+    place.texel += offset * inverse_power_of_two(place.level);
+    return bilinear_at(place);
+}
+
 vec4 supersampled(Footprint footprint, out float level) {
     const float count = float(SUBSAMPLES);
     level = clamped_level(log2(footprint.longer) - log2(count));
@@ -7,12 +16,13 @@ vec4 supersampled(Footprint footprint, out float level) {
     Near fine = find_near(finer, footprint.centre, reach);
     Near coarse = find_near(min(finer + 1, top_level), footprint.centre, reach);
     vec4 sum = vec4(0.0);
-    for (float y = 0.5; y < count; ++y) {
-        for (float x = 0.5; x < count; ++x) {
-            vec2 offset = point_at(vec2(x, y) / count - 0.5) - footprint.centre;
-            sum += mix(sample_near(fine, footprint.centre, offset), sample_near(coarse, footprint.centre, offset),
-                       level - float(finer));
-        }
+    // Two loops, since a software rasteriser runs what it skips too
+    int near_samples = fine.serves && coarse.serves ? SUBSAMPLES * SUBSAMPLES : 0;
+    for (int sampled = 0; sampled < near_samples; ++sampled) {
+        vec2 offset = subsample(sampled) - footprint.centre;
+        sum += mix(near_texel(fine.place, offset), near_texel(coarse.place, offset), level - float(finer));
     }
+    for (int sampled = near_samples; sampled < SUBSAMPLES * SUBSAMPLES; ++sampled)
+        sum += trilinear(subsample(sampled), level);
     return sum / (count * count);
 }

@@ -129,7 +129,7 @@ void fly(Offscreen& offscreen, unsigned seed, int frames, Tally& tally) {
         const ResidencyFrame outcome = offscreen.update(camera);
         tally.sharp_frames += outcome.is_sharp() ? 1 : 0;
         const PlaneView view = offscreen.view(camera);
-        const Rgba8Image image = offscreen.draw(camera, {.filter = Filter::stored});
+        const Rgba8Image image = offscreen.draw(camera, {.filter = {Filter::stored}});
         const Oracle oracle{view, offscreen.scene->residency(), outcome.lod_bias};
         for (int y = 0; y < image.height; ++y) {
             for (int x = 0; x < image.width; ++x) {
@@ -178,7 +178,7 @@ TEST(IdentityOracle, WouldNoticeAPageAtAWrongPlace) {
     const Camera camera{.ground = {300'000, 300'000, 0, 0}, .height_texels = 700, .pitch_degrees = -90};
     offscreen.settle(camera);
     const PlaneView view = offscreen.view(camera);
-    const Rgba8Image image = offscreen.draw(camera, {.filter = Filter::stored});
+    const Rgba8Image image = offscreen.draw(camera, {.filter = {Filter::stored}});
     const Oracle oracle{view, offscreen.scene->residency(), 0};
     EXPECT_FALSE(oracle.accepts(100, 100, image.row(100) + 400));
 }
