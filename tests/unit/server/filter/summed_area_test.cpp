@@ -9,7 +9,8 @@ namespace {
 
 SummedArea table_of(std::int32_t width, std::int32_t height, const std::vector<std::uint16_t>& steps) {
     SummedArea table{width, height};
-    for (std::int32_t y = 0; y < height; ++y) table.set_row(y, &steps[std::size_t(y) * std::size_t(width) * 4]);
+    for (std::int32_t y = 0; y < height; ++y)
+        table.set_row(y, &steps[std::size_t(y) * std::size_t(width) * 4]);
     return table;
 }
 
