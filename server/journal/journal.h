@@ -12,11 +12,9 @@
 
 #include "server/journal/edit_id.h"
 #include "shared/result/result.h"
+#include "shared/revisions/revision.h"
 
 namespace tessera {
-
-/// Counts the accepted edits of a scene: 0 before the first, then one more for each, without gaps.
-using Revision = std::uint64_t;
 
 using JournalTime = std::chrono::sys_time<std::chrono::milliseconds>;
 
