@@ -6,6 +6,7 @@
 
 #include <OpenImageIO/imageio.h>
 
+#include "server/pages/evaluate_within.h"
 #include "server/pages/page_encoder.h"
 
 namespace tessera {
@@ -23,8 +24,8 @@ Error refused(const fs::path& file, const std::string& why) {
 /// One band of a level as wide as the file, in the file's texels.
 class Band {
   public:
-    Band(const Texture& texture, const Budget& budget, bool linear)
-        : texture_{texture}, budget_{budget}, linear_{linear} {}
+    Band(const Texture& texture, std::optional<ErrorLimit> limit, const Budget& budget, bool linear)
+        : texture_{texture}, limit_{limit}, budget_{budget}, linear_{linear} {}
 
     /// Evaluates `region`, piece by piece where it is wide.
     Result<void> fill(const TexelRegion& region, bool straight_alpha) {
@@ -41,11 +42,11 @@ class Band {
             };
             if (linear_) {
                 LinearImage texels;
-                if (auto done = texture_.evaluate(part, budget_, texels); !done) return done.error();
+                if (auto done = evaluate(part, texels); !done) return done;
                 copy([&](std::int32_t y) { return texels.row(y); }, floats_);
             } else {
                 Rgba8Image texels;
-                if (auto done = texture_.evaluate(part, budget_, texels); !done) return done.error();
+                if (auto done = evaluate(part, texels); !done) return done;
                 if (straight_alpha) texels = to_straight_alpha(texels);
                 copy([&](std::int32_t y) { return texels.row(y); }, bytes_);
             }
@@ -54,10 +55,23 @@ class Band {
     }
 
     OIIO::TypeDesc type() const { return linear_ ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8; }
+    const Baked& baked() const { return baked_; }
     const void* data() const { return linear_ ? static_cast<const void*>(floats_.data()) : bytes_.data(); }
 
   private:
+    template <class Image>
+    Result<void> evaluate(const TexelRegion& part, Image& texels) {
+        const auto done = evaluate_within(texture_, part, limit_, budget_, texels);
+        if (!done) return done.error();
+        baked_.bound_codes = std::max(baked_.bound_codes, done->evaluation.bound_codes);
+        baked_.confidence = std::min(baked_.confidence, done->evaluation.confidence);
+        baked_.within_limit = baked_.within_limit && done->met;
+        return {};
+    }
+
     const Texture& texture_;
+    std::optional<ErrorLimit> limit_;
+    Baked baked_;
     const Budget& budget_;
     bool linear_;
     std::vector<std::uint8_t> bytes_;
@@ -119,16 +133,16 @@ Result<void> check(const TexelRegion& region, const fs::path& file) {
 
 }  // namespace
 
-Result<void> bake(const Texture& texture, const TexelRegion& region, const Budget& budget,
-                  const fs::path& file, const std::function<void(double)>& progress) {
-    if (auto good = check(region, file); !good) return good;
+Result<Baked> bake(const Texture& texture, const TexelRegion& region, std::optional<ErrorLimit> limit,
+                   const Budget& budget, const fs::path& file, const std::function<void(double)>& progress) {
+    if (auto good = check(region, file); !good) return good.error();
     fs::path partial = file;
     partial.replace_filename("." + file.stem().string() + ".partial" + file.extension().string());
     const auto out = OIIO::ImageOutput::create(partial.string());
     if (!out) return Error{ErrorCode::io_failure, file.string() + ": " + OIIO::geterror()};
 
-    const auto write = [&]() -> Result<void> {
-        Band band{texture, budget, file.extension() == ".exr"};
+    const auto write = [&]() -> Result<Baked> {
+        Band band{texture, limit, budget, file.extension() == ".exr"};
         const bool mip = file.extension() == ".tx";
         std::int64_t done = 0;
         const double all = double(region.height) * (mip ? 2 : 1);
@@ -144,14 +158,15 @@ Result<void> bake(const Texture& texture, const TexelRegion& region, const Budge
                 done += rows;
                 progress(std::min(1.0, double(done) / all));
             };
-            if (auto written = write_level(*out, file, level, band, rows_done); !written) return written;
+            if (auto written = write_level(*out, file, level, band, rows_done); !written)
+                return written.error();
             if (!mip || level.width == 1) break;
         }
         if (!out->close()) return Error{ErrorCode::io_failure, file.string() + ": " + out->geterror()};
         std::error_code failure;
         fs::rename(partial, file, failure);
         if (failure) return Error{ErrorCode::io_failure, file.string() + ": " + failure.message()};
-        return {};
+        return band.baked();
     };
     const auto written = write();
     if (!written) {

@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include "server/bake/bake.h"
+#include "server/pages/evaluate_within.h"
 #include "server/pages/page_encoder.h"
 #include "server/progress/interrupt.h"
 #include "server/progress/terminal_progress.h"
@@ -23,6 +24,7 @@ struct Arguments {
     std::string output;
     std::string region;
     std::string accuracy = "exact";
+    std::string max_error;
     std::string channels{name_of(ChannelSet::albedo)};
     std::uint32_t level = 0, x = 0, y = 0;
     std::int32_t gutter = 0;
@@ -51,12 +53,31 @@ Result<const Texture*> texture_of(const Scene& scene, const std::string& channel
                  "--channels: the scene has no \"" + channels + "\"; it has " + scene.channel_names()};
 }
 
+Result<std::optional<ErrorLimit>> limit_of(const Arguments& arguments) {
+    if (arguments.max_error.empty()) return std::optional<ErrorLimit>{};
+    if (const auto limit = error_limit_named(arguments.max_error)) return limit;
+    return Error{ErrorCode::invalid_input,
+                 "--max-error: \"" + arguments.max_error +
+                     "\" is not a number of 8-bit codes from 0 to 255, such as 0.5"};
+}
+
+/// The file is there, and yet not what was asked for.
+Error beyond_limit(const Arguments& arguments, double bound_codes) {
+    char bound[32];
+    std::snprintf(bound, sizeof bound, "%.4f", bound_codes);
+    return {ErrorCode::invalid_input, arguments.output + ": written, but its bound is " + bound +
+                                          " codes even at --accuracy exact, more than --max-error " +
+                                          arguments.max_error};
+}
+
 Result<void> run_page(const Arguments& arguments) {
     const auto dot = arguments.output.rfind('.');
     const auto format =
         page_format(dot == std::string::npos ? "" : std::string_view{arguments.output}.substr(dot + 1));
     if (!format)
         return Error{ErrorCode::invalid_input, arguments.output + ": end it in .png, .jpg, .webp or .rgba"};
+    const auto limit = limit_of(arguments);
+    if (!limit) return limit.error();
     const auto scene = load_scene(arguments.scene);
     if (!scene) return scene.error();
     const Extent extent = (*scene)->extent;
@@ -75,17 +96,19 @@ Result<void> run_page(const Arguments& arguments) {
     TexelRegion region = region_of(page, arguments.gutter);
     region.slice = (*scene)->same_slice(arguments.slice);
     Rgba8Image texels;
-    const auto evaluation =
-        (*texture)->evaluate(region, Budget{.accuracy = *accuracy_named(arguments.accuracy)}, texels);
-    if (!evaluation) return evaluation.error();
+    const auto evaluated = evaluate_within(**texture, region, *limit,
+                                           Budget{.accuracy = *accuracy_named(arguments.accuracy)}, texels);
+    if (!evaluated) return evaluated.error();
+    const Evaluation& evaluation = evaluated->evaluation;
     const auto bytes = encode_page(texels, *format, (*texture)->texel_kind());
     if (!bytes) return bytes.error();
     if (auto written = write_file(arguments.output, *bytes); !written) return written;
     if (!arguments.quiet)
         std::fprintf(stderr, "%s: level %u page (%u, %u), method %.*s, bound %.4f codes\n",
                      arguments.output.c_str(), arguments.level, arguments.x, arguments.y,
-                     static_cast<int>(evaluation->method.size()), evaluation->method.data(),
-                     evaluation->bound_codes);
+                     static_cast<int>(evaluation.method.size()), evaluation.method.data(),
+                     evaluation.bound_codes);
+    if (!evaluated->met) return beyond_limit(arguments, evaluation.bound_codes);
     return {};
 }
 
@@ -116,6 +139,8 @@ Result<TexelRegion> parse_region(const std::string& text, std::uint32_t level) {
 Result<void> run_bake(const Arguments& arguments) {
     auto region = parse_region(arguments.region, arguments.level);
     if (!region) return region.error();
+    const auto limit = limit_of(arguments);
+    if (!limit) return limit.error();
     const auto scene = load_scene(arguments.scene);
     if (!scene) return scene.error();
     region->slice = (*scene)->same_slice(arguments.slice);
@@ -124,7 +149,7 @@ Result<void> run_bake(const Arguments& arguments) {
     const Interrupt interrupt;
     TerminalProgress progress{"tessera bake", {{"baking", 1.0}}, arguments.quiet, interrupt.token()};
     const auto baked =
-        bake(**texture, *region,
+        bake(**texture, *region, *limit,
              Budget{.accuracy = *accuracy_named(arguments.accuracy), .cancelled = interrupt.token()},
              arguments.output, [&](double done) { progress.advance("baking", done); });
     if (!baked && baked.error().code == ErrorCode::cancelled)
@@ -133,7 +158,9 @@ Result<void> run_bake(const Arguments& arguments) {
     if (baked && !arguments.quiet)
         progress.note(arguments.output + ": " + std::to_string(region->width) + " × " +
                       std::to_string(region->height) + " texels of level " + std::to_string(region->level));
-    return baked;
+    if (!baked) return baked.error();
+    if (!baked->within_limit) return beyond_limit(arguments, baked->bound_codes);
+    return {};
 }
 
 Result<void> run_check(const Arguments& arguments) {
@@ -174,9 +201,16 @@ void add_common(CLI::App& command, Arguments& arguments) {
 
 void add_output(CLI::App& command, Arguments& arguments, const char* help) {
     command.add_option("-o,--output", arguments.output, help)->required();
-    command.add_option("--accuracy", arguments.accuracy, "How much error is allowed")
-        ->check(CLI::IsMember({"exact", "high", "fast"}))
-        ->capture_default_str();
+    CLI::Option* const accuracy =
+        command.add_option("--accuracy", arguments.accuracy, "How much error is allowed")
+            ->check(CLI::IsMember({"exact", "high", "fast"}))
+            ->capture_default_str();
+    command
+        .add_option(
+            "--max-error", arguments.max_error,
+            "How much error is allowed, in 8-bit codes of linear light: takes the cheapest accuracy whose "
+            "bound keeps it; where none does, the exit code is 1")
+        ->excludes(accuracy);
     command
         .add_option("--channels", arguments.channels,
                     "What to show of the surface: albedo, normal, roughness, height or moments")

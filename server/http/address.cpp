@@ -120,7 +120,8 @@ Parsed<PageAddress> page_address(const std::vector<std::string>& segments) {
 
 Parsed<PageQuery> page_query(std::string_view query) {
     PageQuery result;
-    bool has_gutter = false, has_accuracy = false, has_channels = false, has_slice = false;
+    bool has_gutter = false, has_accuracy = false, has_max_error = false, has_channels = false,
+         has_slice = false;
     while (!query.empty()) {
         const std::size_t end = std::min(query.find('&'), query.size());
         const std::string_view item = query.substr(0, end);
@@ -139,6 +140,11 @@ Parsed<PageQuery> page_query(std::string_view query) {
             if (!accuracy) return malformed("accuracy: exact, high or fast");
             if (std::exchange(has_accuracy, true)) return malformed("accuracy: is given twice");
             result.accuracy = *accuracy;
+        } else if (name == "max_error") {
+            const auto limit = error_limit_named(value);
+            if (!limit) return malformed("max_error: 8-bit codes from 0 to 255, such as 0.5");
+            if (std::exchange(has_max_error, true)) return malformed("max_error: is given twice");
+            result.max_error = *limit;
         } else if (name == "channels") {
             const auto channels = channel_set_named(value);
             if (!channels) return malformed("channels: albedo, normal, roughness, height or moments");
@@ -150,9 +156,10 @@ Parsed<PageQuery> page_query(std::string_view query) {
             if (std::exchange(has_slice, true)) return malformed("slice: is given twice");
             result.slice = *slice;
         } else {
-            return malformed("unknown parameter; pages take gutter, accuracy, channels and slice");
+            return malformed("unknown parameter; pages take gutter, accuracy, max_error, channels and slice");
         }
     }
+    if (result.max_error) result.accuracy = Accuracy::high;
     return result;
 }
 
@@ -164,6 +171,7 @@ std::string PageQuery::canonical() const {
     };
     if (gutter != 0) add("gutter", std::to_string(gutter));
     if (accuracy != Accuracy::high) add("accuracy", name_of(accuracy));
+    if (max_error) add("max_error", text_of(*max_error));
     if (channels != ChannelSet::albedo) add("channels", name_of(channels));
     if (slice != 0) add("slice", std::to_string(slice));
     return text;

@@ -40,15 +40,16 @@ struct PageAddress {
 bool is_page_address(const std::vector<std::string>& segments) noexcept;
 Parsed<PageAddress> page_address(const std::vector<std::string>& segments);
 
-/// `gutter`, `accuracy`, `channels` and `slice`, each at most once and nothing else.
+/// `gutter`, `accuracy`, `max_error`, `channels` and `slice`, each at most once and nothing else.
 struct PageQuery {
     std::uint8_t gutter = 0;
-    Accuracy accuracy = Accuracy::high;
+    Accuracy accuracy = Accuracy::high;  ///< `high` where there is an error limit: that goes before it.
+    std::optional<ErrorLimit> max_error;
     ChannelSet channels = ChannelSet::albedo;  ///< That the scene has it is for others to check.
     std::int64_t slice = 0;                    ///< Within ±max_slice.
 
-    /// The one way to write it, with its '?', or nothing: names in the order gutter, accuracy, channels,
-    /// slice; defaults left out.
+    /// The one way to write it, with its '?', or nothing: names in the order gutter, accuracy,
+    /// max_error, channels, slice; defaults left out.
     std::string canonical() const;
 };
 Parsed<PageQuery> page_query(std::string_view query);

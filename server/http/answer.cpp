@@ -4,7 +4,7 @@
 #include <charconv>
 #include <cstdio>
 
-#include <boost/beast/core/string.hpp>
+#include "server/http/field_values.h"
 
 namespace tessera {
 namespace {
@@ -40,24 +40,6 @@ unsigned status_of(ErrorCode code) {
 std::string decimal(double value) {
     char text[32];
     return {text, static_cast<std::size_t>(std::snprintf(text, sizeof text, "%.6g", value))};
-}
-
-std::string_view trimmed(std::string_view text) {
-    while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-    while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-    return text;
-}
-
-/// Cuts the next element off a comma-separated list.
-std::string_view next_element(std::string_view& list) {
-    const std::size_t comma = std::min(list.find(','), list.size());
-    const std::string_view element = trimmed(list.substr(0, comma));
-    list.remove_prefix(std::min(comma + 1, list.size()));
-    return element;
-}
-
-bool equals_ignoring_case(std::string_view a, std::string_view b) {
-    return boost::beast::iequals({a.data(), a.size()}, {b.data(), b.size()});
 }
 
 /// Raw pages alone are negotiated; the others are the same for everybody.
@@ -114,13 +96,14 @@ std::string page_prelude(const EncodedPage& page) {
     };
     field("Content-Type", content_type(page.options.format));
     field("Content-Length", std::to_string(page.bytes->size()));
-    field("ETag", etag_of(page.id));
+    if (page.within_limit) field("ETag", etag_of(page.id));
     text += negotiation_fields(page.options);
     field("Tessera-Method", page.evaluation.method);
     field("Tessera-Bound", decimal(page.evaluation.bound_codes));
     field("Tessera-Confidence", decimal(page.evaluation.confidence));
     field("Tessera-Work", std::to_string(page.evaluation.work));
-    field("Tessera-Accuracy", name_of(page.options.accuracy));
+    field("Tessera-Accuracy", name_of(page.accuracy));
+    if (page.options.max_error) field("Tessera-Max-Error", text_of(*page.options.max_error));
     field("Tessera-Channels", name_of(page.options.channels));
     field("Tessera-Revision", std::to_string(page.revision));
     field("Tessera-Level", std::to_string(page.key.level));
@@ -130,7 +113,9 @@ std::string page_prelude(const EncodedPage& page) {
 }
 
 std::string page_fields_without_body(PageId id, const PageOptions& options, bool not_modified) {
-    std::string text = "ETag: " + etag_of(id) + "\r\n";
+    // Only its evaluation tells whether a page keeps a limit, and has an entity tag at all
+    std::string text;
+    if (!options.max_error || not_modified) text = "ETag: " + etag_of(id) + "\r\n";
     text += negotiation_fields(options);
     if (!not_modified) {
         text += "Content-Type: ";

@@ -26,6 +26,7 @@ struct ServeArguments {
     std::string listen = "127.0.0.1:7070";
     std::string web;
     std::size_t cache_mb = 256;
+    std::size_t sample_mb = 512;
     double deadline_seconds = 10;
     ServerOptions options;
 };
@@ -71,6 +72,9 @@ Result<void> serve(ServeArguments& arguments) {
     options.web = arguments.web;
     options.pages.cache_bytes = arguments.cache_mb << 20;
     options.pages.deadline = std::chrono::milliseconds{static_cast<long>(arguments.deadline_seconds * 1000)};
+    options.samples.threads = options.pages.threads;
+    options.samples.memory_bytes = arguments.sample_mb << 20;
+    options.samples.deadline = options.pages.deadline;
 
     const sigset_t signals = block_signals();
     auto server = Server::start(options);
@@ -110,7 +114,9 @@ void add_serve_command(CLI::App& app, int& exit_code) {
         ->capture_default_str();
     command->add_option("--web", arguments->web,
                         "The built web page (default: share/tessera/web beside the program's bin folder)");
-    command->add_option("--threads", options.pages.threads, "Threads that evaluate and encode pages")
+    command
+        ->add_option("--threads", options.pages.threads,
+                     "Threads that evaluate and encode pages, and as many more that sample")
         ->check(CLI::Range(1, 1024))
         ->capture_default_str();
     command->add_option("--io-threads", options.io_threads, "Threads that parse requests and send answers")
@@ -118,6 +124,11 @@ void add_serve_command(CLI::App& app, int& exit_code) {
         ->capture_default_str();
     command->add_option("--cache-mb", arguments->cache_mb, "Memory for encoded pages, in MiB; 0 keeps none")
         ->check(CLI::Range(0, 1 << 20))
+        ->capture_default_str();
+    command
+        ->add_option("--sample-mb", arguments->sample_mb,
+                     "Memory for texels and tables of sampled scenes, in MiB")
+        ->check(CLI::Range(16, 1 << 20))
         ->capture_default_str();
     command
         ->add_option("--max-connections", options.max_connections,
@@ -130,8 +141,9 @@ void add_serve_command(CLI::App& app, int& exit_code) {
         ->check(CLI::Range(1, 1'000'000))
         ->capture_default_str();
     command
-        ->add_option("--deadline", arguments->deadline_seconds,
-                     "Seconds from a request for a page to its texels; later is answered with 503")
+        ->add_option(
+            "--deadline", arguments->deadline_seconds,
+            "Seconds from a request for a page, or for samples, to its texels; later is answered with 503")
         ->check(CLI::Range(0.01, 3600.0))
         ->capture_default_str();
 

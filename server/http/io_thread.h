@@ -27,8 +27,7 @@ struct IoThread {
     SessionContext context;
     std::thread thread;
 
-    IoThread(const SessionLimits& limits, Routes& routes, PageService& pages, HttpMetrics& metrics)
-        : context{limits, routes, pages, metrics} {}
+    explicit IoThread(SessionContext given) : context{std::move(given)} {}
 
     void start() {
         boost::asio::co_spawn(io, check_deadlines(), boost::asio::detached);

@@ -1,6 +1,7 @@
 #include "server/http/request_head.h"
 
 #include <algorithm>
+#include <charconv>
 #include <iterator>
 
 #include <boost/beast/core/string.hpp>
@@ -38,6 +39,10 @@ bool is_authority(std::string_view text) {
 
 }  // namespace
 
+bool is_posted_to(std::string_view path) noexcept {
+    return path.starts_with("/scenes/") && path.ends_with("/sample");
+}
+
 std::optional<Refusal> RequestHead::parse(std::string_view raw, const SessionLimits& limits) {
     if (has_odd_lines(raw)) return malformed("header lines end in CR LF and are not folded");
     http::request_parser<http::empty_body> parser;
@@ -65,6 +70,7 @@ std::optional<Refusal> RequestHead::parse(std::string_view raw, const SessionLim
     if (message.method() == http::verb::unknown) return Refusal{501, "unknown method", true};
     if (message.method() == http::verb::connect) return Refusal{405, "this is not a proxy", true};
     if (auto refusal = check_target(limits)) return refusal;
+    if (is(http::verb::post) && is_posted_to(path)) return check_body(limits);
     const bool has_body = message.count(http::field::transfer_encoding) != 0 ||
                           (message.count(http::field::content_length) != 0 &&
                            message[http::field::content_length].find_first_not_of('0') != std::string::npos);
@@ -88,6 +94,25 @@ std::optional<Refusal> RequestHead::check_framing() const {
             !std::all_of(length.begin(), length.end(), [](char c) { return c >= '0' && c <= '9'; }))
             return malformed("Content-Length is not a number of bytes");
     }
+    return std::nullopt;
+}
+
+/// Of a POST to where one belongs.
+std::optional<Refusal> RequestHead::check_body(const SessionLimits& limits) {
+    if (message.count(http::field::content_length) == 0)
+        return Refusal{411, "Content-Length says how long the body is; it is not sent in chunks", true};
+    const std::string_view length = (*this)[http::field::content_length];  // digits, at most 18 of them
+    std::from_chars(length.data(), length.data() + length.size(), body_bytes);
+    if (body_bytes > limits.body_bytes)
+        return Refusal{
+            413,
+            "the body is longer than " + std::to_string(limits.body_bytes) + " bytes; send less at a time",
+            true};
+    const auto expectation = message[http::field::expect];
+    expects_continue = message.version() >= 11 && beast::iequals(expectation, "100-continue");
+    if (message.count(http::field::expect) > 1 ||
+        (!expectation.empty() && !beast::iequals(expectation, "100-continue")))
+        return Refusal{417, "nothing to expect but 100-continue", true};
     return std::nullopt;
 }
 

@@ -12,6 +12,9 @@
 
 namespace tessera {
 
+/// Whether requests to this path are made with POST and a body: /scenes/{id}/sample.
+bool is_posted_to(std::string_view path) noexcept;
+
 /// A request as far as its header goes, past the strict gate: one Host, one framing, a sane target, a method
 /// that we know. Not copyable: the views point into `message`.
 class RequestHead {
@@ -30,6 +33,8 @@ class RequestHead {
     std::string_view query;  ///< Behind the '?', which is left out.
     std::string_view host;   ///< Name and port as sent, "localhost" where an HTTP/1.0 client sent none.
     bool keep_alive = false;
+    std::size_t body_bytes = 0;     ///< That follow the header: of a POST, at most SessionLimits::body_bytes.
+    bool expects_continue = false;  ///< The client waits for "100 Continue" before it sends them.
 
     /// The value of a header field; empty if there is none.
     std::string_view operator[](boost::beast::http::field name) const { return view(message[name]); }
@@ -43,6 +48,7 @@ class RequestHead {
 
     std::optional<Refusal> check_framing() const;
     std::optional<Refusal> check_host();
+    std::optional<Refusal> check_body(const SessionLimits& limits);
     std::optional<Refusal> check_target(const SessionLimits& limits);
 };
 

@@ -14,6 +14,7 @@ namespace {
 namespace http = boost::beast::http;
 
 constexpr std::string_view now_caching = "Cache-Control: no-cache\r\n";
+constexpr std::string_view no_caching = "Cache-Control: no-store\r\n";
 constexpr std::string_view immutable_caching = "Cache-Control: public, max-age=31536000, immutable\r\n";
 
 /// A document that may change: revalidated each time, by a hash of its content.
@@ -30,7 +31,13 @@ Refusal no_such_scene(const std::string& id) {
     return {404, "there is no scene \"" + id + "\"; /scenes lists them", false};
 }
 
-Answer options_answer() {
+Answer options_answer(std::string_view path) {
+    if (is_posted_to(path))
+        return text_answer(204, {}, {},
+                           "Allow: POST, OPTIONS\r\n"
+                           "Access-Control-Allow-Methods: POST, OPTIONS\r\n"
+                           "Access-Control-Allow-Headers: Accept, Content-Type\r\n"
+                           "Access-Control-Max-Age: 86400\r\n");
     return text_answer(204, {}, {},
                        "Allow: GET, HEAD, OPTIONS\r\n"
                        "Access-Control-Allow-Methods: GET, HEAD, OPTIONS\r\n"
@@ -41,7 +48,7 @@ Answer options_answer() {
 }  // namespace
 
 Routes::Outcome Routes::route(const RequestHead& request, const Site& site) {
-    if (request.is(http::verb::options)) return options_answer();
+    if (request.is(http::verb::options)) return options_answer(request.path);
     const auto segments = path_segments(request.path);
     if (!segments) return refusal_answer(segments.error());
     const std::string& first = segments->front();
@@ -55,6 +62,10 @@ Routes::Outcome Routes::route(const RequestHead& request, const Site& site) {
     if (first != "scenes") return web_file(request, site, *segments);
 
     if (is_page_address(*segments)) return page(request, site, *segments);
+    if (segments->size() == 3 && segments->back() == "sample") {
+        const ScenePtr scene = site.catalog->find((*segments)[1]);
+        return scene ? sample(request, scene) : refusal_answer(no_such_scene((*segments)[1]));
+    }
     if (!request.query.empty()) return refusal_answer({400, "this address takes no parameters", false});
     if (segments->size() == 1) return scene_list(request, *site.catalog);
     if (segments->size() == 2) {
@@ -89,7 +100,7 @@ Routes::Outcome Routes::page(const RequestHead& request, const Site& site,
                          {static_cast<std::uint8_t>(n - address->z), static_cast<std::uint32_t>(address->x),
                           static_cast<std::uint32_t>(address->y)},
                          {address->format, ContentCoding::identity, query->gutter, query->accuracy,
-                          query->channels, query->slice},
+                          query->channels, query->slice, query->max_error},
                          urgency_of(request["Priority"])},
                         address->pin.has_value()};
     PageRequest& wanted = pending.request;
@@ -123,13 +134,14 @@ Routes::Outcome Routes::page(const RequestHead& request, const Site& site,
     const PageId id = page_id(wanted);
     const std::string_view caching = pending.pinned ? immutable_caching : now_caching;
     if (const std::string_view known = request[http::field::if_none_match];
-        !known.empty() && matches(known, etag_of(id))) {
+        !known.empty() && !(known == "*" && wanted.options.max_error) && matches(known, etag_of(id))) {
         return text_answer(304, {}, {}, page_fields_without_body(id, wanted.options, true).append(caching));
     }
     if (const PagePtr page = pages_.find(id, wanted)) return page_answer(page, pending.pinned, true);
     if (request.is(http::verb::head)) {
         Answer answer;
-        answer.fields = page_fields_without_body(id, wanted.options, false).append(caching);
+        answer.fields = page_fields_without_body(id, wanted.options, false)
+                            .append(wanted.options.max_error ? no_caching : caching);
         answer.prelude = text_answer(204, {}, {}).prelude;
         return answer;
     }
@@ -138,7 +150,7 @@ Routes::Outcome Routes::page(const RequestHead& request, const Site& site,
 
 Answer Routes::page_answer(const PagePtr& page, bool pinned, bool from_cache) {
     Answer answer;
-    answer.fields = pinned ? immutable_caching : now_caching;
+    answer.fields = !page->within_limit ? no_caching : pinned ? immutable_caching : now_caching;
     if (from_cache) {
         answer.fields += "Server-Timing: cache;desc=hit\r\n";
     } else {
@@ -178,6 +190,7 @@ Answer Routes::readiness(const Site& site) {
 
 Answer Routes::metrics() {
     pages_.update_gauges();
+    samples_.update_gauges();
     std::ostringstream text;
     prometheus::TextSerializer{}.Serialize(text, registry_.Collect());
     return text_answer(200, "text/plain; version=0.0.4; charset=utf-8", text.str(),

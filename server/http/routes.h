@@ -12,6 +12,7 @@
 #include "server/http/request_head.h"
 #include "server/http/web_files.h"
 #include "server/pages/page_service.h"
+#include "server/sampling/sample_service.h"
 #include "server/scene/scene.h"
 
 namespace tessera {
@@ -29,20 +30,30 @@ struct PendingPage {
     bool pinned = false;  ///< Asked for by its immutable address.
 };
 
+/// Samples that are asked for by a body, which has to be read first.
+struct PendingSample {
+    SampleCall call;  ///< Without its body.
+};
+
 /// Request -> answer, or the page that will be it. Pure but for counters and the cache: no sockets, nothing
 /// that blocks. May be called from any thread.
 class Routes {
   public:
-    /// Both outlive this.
-    Routes(PageService& pages, prometheus::Registry& registry) : pages_{pages}, registry_{registry} {}
+    /// All outlive this.
+    Routes(PageService& pages, SampleService& samples, prometheus::Registry& registry)
+        : pages_{pages}, samples_{samples}, registry_{registry} {}
 
-    using Outcome = std::variant<Answer, PendingPage>;
+    using Outcome = std::variant<Answer, PendingPage, PendingSample>;
     Outcome route(const RequestHead& request, const Site& site);
 
     /// The answer that a page is; `from_cache` is for Server-Timing alone.
     static Answer page_answer(const PagePtr& page, bool pinned, bool from_cache);
 
+    /// Takes the reply's body.
+    static Answer sample_answer(SampleReply& reply);
+
   private:
+    Outcome sample(const RequestHead& request, const ScenePtr& scene);
     Outcome page(const RequestHead& request, const Site& site, const std::vector<std::string>& segments);
     Answer scene_list(const RequestHead& request, const Catalog& catalog);
     Answer tile_json(const RequestHead& request, const Scene& scene);
@@ -51,6 +62,7 @@ class Routes {
     Answer web_file(const RequestHead& request, const Site& site, const std::vector<std::string>& segments);
 
     PageService& pages_;
+    SampleService& samples_;
     prometheus::Registry& registry_;
 };
 

@@ -18,9 +18,12 @@ Server::Server(const ServerOptions& options)
     : options_{options},
       metrics_{registry_},
       pages_{options.pages, registry_, page_prelude},
-      routes_{pages_, registry_} {
+      samples_{options.samples, registry_},
+      bodies_{options.bodies_bytes},
+      routes_{pages_, samples_, registry_} {
     for (std::size_t i = 0; i < std::max<std::size_t>(options.io_threads, 1); ++i)
-        threads_.push_back(std::make_unique<IoThread>(options.session, routes_, pages_, metrics_));
+        threads_.push_back(std::make_unique<IoThread>(
+            SessionContext{options.session, routes_, pages_, samples_, bodies_, metrics_}));
 }
 
 Result<std::unique_ptr<Server>> Server::start(const ServerOptions& options) {
@@ -68,6 +71,7 @@ void Server::publish(std::shared_ptr<const Catalog> catalog, std::shared_ptr<con
         context.site.catalog = catalog;
         context.site.web = web;
     });
+    samples_.forget_scenes();
 }
 
 bool Server::sessions_left() {
@@ -99,6 +103,7 @@ void Server::stop() {
     for (const auto& thread : threads_) thread->io.stop();
     for (const auto& thread : threads_) thread->thread.join();
     pages_.stop();
+    samples_.stop();
 }
 
 std::uint16_t Server::port() const { return listener_->endpoint().port(); }

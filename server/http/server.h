@@ -8,6 +8,7 @@
 
 #include <prometheus/registry.h>
 
+#include "server/http/body_budget.h"
 #include "server/http/http_metrics.h"
 #include "server/http/routes.h"
 #include "server/http/server_options.h"
@@ -44,6 +45,7 @@ class Server {
     std::uint16_t port() const;
 
     PageService& pages() noexcept { return pages_; }
+    SampleService& samples() noexcept { return samples_; }
     HttpMetrics& metrics() noexcept { return metrics_; }
 
   private:
@@ -58,6 +60,8 @@ class Server {
     prometheus::Registry registry_;
     HttpMetrics metrics_;
     PageService pages_;
+    SampleService samples_;
+    BodyBudget bodies_;
     Routes routes_;
     std::vector<std::unique_ptr<IoThread>> threads_;
     std::unique_ptr<Listener> listener_;

@@ -10,10 +10,12 @@
 #include <boost/asio/experimental/awaitable_operators.hpp>
 #include <boost/asio/this_coro.hpp>
 #include <boost/asio/use_awaitable.hpp>
+#include <boost/asio/write.hpp>
 #include <boost/beast/http/status.hpp>
 #include <spdlog/spdlog.h>
 
 #include "server/pages/page_fetch.h"
+#include "server/sampling/sample_fetch.h"
 
 namespace tessera {
 namespace {
@@ -27,6 +29,7 @@ using Timer = asio::basic_waitable_timer<std::chrono::steady_clock,
                                          asio::wait_traits<std::chrono::steady_clock>, IoExecutor>;
 
 constexpr std::size_t read_step_bytes = 2048;
+constexpr std::size_t body_step_bytes = 65536;
 /// An evaluation looks at its deadline about once a row; a session waits a little longer than that.
 constexpr std::chrono::milliseconds deadline_slack{500};
 
@@ -83,7 +86,7 @@ Task<void> Session::serve() {
             co_await send(refusal_answer(refusal), true, false);
             co_return;
         }
-        const bool keep_alive = co_await answer_request(std::string_view{input_}.substr(0, head_bytes));
+        const bool keep_alive = co_await answer_request(head_bytes);
         if (!keep_alive) co_return;
         input_.erase(0, head_bytes);
     }
@@ -121,17 +124,89 @@ Task<Session::ReadEnd> Session::read_head(std::size_t& head_bytes) {
     }
 }
 
+/// Takes the body out of `input_` and then off the socket. `closed` also where the client ends it early.
+Task<Session::ReadEnd> Session::read_body(std::size_t head_bytes, const RequestHead& request,
+                                          BodyBudget::Share& share, std::string& body) {
+    const std::size_t length = request.body_bytes;
+    const Clock::time_point last = Clock::now() + context_.limits.body_time;
+    const std::size_t here = std::min(length, input_.size() - head_bytes);
+    if (!share.take(here)) co_return ReadEnd::overloaded;
+    body = input_.substr(head_bytes, here);
+    input_.erase(head_bytes, here);
+    if (request.expects_continue && here == 0 && length != 0) {
+        constexpr std::string_view go_on = "HTTP/1.1 100 Continue\r\n\r\n";
+        set_deadline(context_.limits.write_time);
+        const auto [failure, count] =
+            co_await asio::async_write(socket_, asio::buffer(go_on.data(), go_on.size()), as_tuple);
+        if (std::exchange(expired_, false) || failure) co_return ReadEnd::closed;
+    }
+    while (body.size() < length) {
+        const std::size_t had = body.size(), room = std::min(body_step_bytes, length - had);
+        if (!share.take(room)) co_return ReadEnd::overloaded;
+        body.resize(had + room);
+        for (std::size_t at = had; at < had + room;) {
+            deadline_ = std::min(Clock::now() + context_.limits.write_time, last);
+            const auto [failure, count] =
+                co_await socket_.async_read_some(asio::buffer(body.data() + at, had + room - at), as_tuple);
+            if (std::exchange(expired_, false)) co_return ReadEnd::too_slow;
+            if (failure) co_return ReadEnd::closed;
+            at += count;
+        }
+    }
+    co_return ReadEnd::complete;
+}
+
 /// True if the connection may go on.
-Task<bool> Session::answer_request(std::string_view raw) {
+Task<bool> Session::answer_request(std::size_t head_bytes) {
     RequestHead request;
-    if (const auto refusal = request.parse(raw, context_.limits)) {
+    if (const auto refusal = request.parse(std::string_view{input_}.substr(0, head_bytes), context_.limits)) {
         const bool keep_alive = !refusal->close && request.keep_alive;
         co_return co_await send(refusal_answer(*refusal), !request.is(http::verb::head), keep_alive);
     }
     Routes::Outcome outcome = context_.routes.route(request, context_.site);
     if (auto* pending = std::get_if<PendingPage>(&outcome))
         co_return co_await wait_for_page(std::move(*pending), request, request.keep_alive);
-    co_return co_await send(std::get<Answer>(outcome), !request.is(http::verb::head), request.keep_alive);
+    if (auto* pending = std::get_if<PendingSample>(&outcome))
+        co_return co_await wait_for_samples(std::move(*pending), request, head_bytes);
+    Answer& answer = std::get<Answer>(outcome);
+    answer.close = answer.close || request.body_bytes != 0;  // which nobody has read
+    co_return co_await send(answer, !request.is(http::verb::head), request.keep_alive);
+}
+
+/// Reads the body, and then waits as wait_for_page() does.
+Task<bool> Session::wait_for_samples(PendingSample pending, const RequestHead& request,
+                                     std::size_t head_bytes) {
+    using namespace asio::experimental::awaitable_operators;
+    BodyBudget::Share share{context_.bodies};
+    const ReadEnd end = co_await read_body(head_bytes, request, share, pending.call.body);
+    if (end == ReadEnd::closed) co_return false;
+    if (end != ReadEnd::complete) {
+        const Refusal refusal =
+            end == ReadEnd::too_slow
+                ? Refusal{408, "the body did not arrive in time", true}
+                : Refusal{503, "too many large requests at once; ask again in a second", true};
+        const Answer answer = refusal_answer(refusal);
+        co_return co_await send(answer, true, false);
+    }
+
+    deadline_ = Clock::time_point::max();
+    auto outcome =
+        co_await (async_sample(context_.samples, std::move(pending.call), socket_.get_executor(), use_task) ||
+                  client_leaves() || pass(context_.samples.limits().deadline + deadline_slack));
+    if (outcome.index() == 1) co_return false;
+    if (outcome.index() == 2) {
+        const Error late{ErrorCode::timed_out,
+                         "the samples took too long; send fewer footprints, or ask for accuracy=fast"};
+        co_return co_await send(error_answer(late), true, request.keep_alive);
+    }
+    Result<SampleReply>& reply = std::get<0>(outcome);
+    if (!reply) {
+        if (reply.error().code == ErrorCode::io_failure)
+            spdlog::error("{}: {}", std::string{request.path}, reply.error().detail);
+        co_return co_await send(error_answer(reply.error()), true, request.keep_alive);
+    }
+    const Answer answer = Routes::sample_answer(*reply);
+    co_return co_await send(answer, true, request.keep_alive);
 }
 
 /// Waits for a page, its deadline, or the client's leaving, whichever is first. Leaving this function gives

@@ -10,6 +10,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 
+#include "server/http/body_budget.h"
 #include "server/http/http_metrics.h"
 #include "server/http/request_head.h"
 #include "server/http/routes.h"
@@ -39,6 +40,8 @@ struct SessionContext {
     SessionLimits limits;
     Routes& routes;
     PageService& pages;
+    SampleService& samples;
+    BodyBudget& bodies;
     HttpMetrics& metrics;
     Site site{};                     ///< Replaced on this thread.
     std::list<Session*> sessions{};  ///< Those alive.
@@ -67,11 +70,14 @@ class Session : public std::enable_shared_from_this<Session> {
     void abort();
 
   private:
-    enum class ReadEnd { complete, closed, too_long, too_slow };
+    enum class ReadEnd { complete, closed, too_long, too_slow, overloaded };
 
     Task<void> serve();
     Task<ReadEnd> read_head(std::size_t& head_bytes);
-    Task<bool> answer_request(std::string_view raw);
+    Task<ReadEnd> read_body(std::size_t head_bytes, const RequestHead& request, BodyBudget::Share& share,
+                            std::string& body);
+    Task<bool> answer_request(std::size_t head_bytes);
+    Task<bool> wait_for_samples(PendingSample pending, const RequestHead& request, std::size_t head_bytes);
     Task<bool> wait_for_page(PendingPage pending, const RequestHead& request, bool keep_alive);
     Task<void> client_leaves();
     Task<bool> send(const Answer& answer, bool with_body, bool keep_alive);

@@ -18,6 +18,8 @@ struct EncodedPage {
     std::shared_ptr<const EncodedBytes> bytes;  ///< The message body; one-colour pages share theirs.
     std::string prelude;                        ///< What the listener says before every copy of `bytes`.
     Evaluation evaluation;
+    Accuracy accuracy = Accuracy::high;  ///< That it was evaluated with.
+    bool within_limit = true;            ///< Whether the bound keeps options.max_error.
     std::chrono::nanoseconds queued{}, evaluated{}, encoded{};
 
     /// What holding this page costs, the bookkeeping of cache and heap included.

@@ -15,7 +15,7 @@ std::uint64_t page_revision(const Scene&, PageKey) noexcept { return 0; }  // sc
 
 PageId page_id(const PageRequest& request) {
     // Every field at its full width, in a fixed order
-    std::array<std::byte, 128> bytes;
+    std::array<std::byte, 192> bytes;
     std::size_t size = 0;
     const auto add = [&](const void* value, std::size_t length) {
         std::memcpy(bytes.data() + size, value, length);
@@ -37,6 +37,10 @@ PageId page_id(const PageRequest& request) {
     add_integer(request.options.channels);
     // The first slice goes without, so that pages of flat scenes keep their ids
     if (request.options.slice != 0) add_integer(request.options.slice);
+    if (request.options.max_error) {
+        add("max_error", 9);
+        add_integer(request.options.max_error->millionths);
+    }
     const XXH128_hash_t digest = XXH3_128bits(bytes.data(), size);
     return {digest.high64, digest.low64};
 }

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "server/scene/scene.h"
 #include "server/texture/texture.h"
 #include "shared/page/channel_set.h"
+#include "shared/page/error_limit.h"
 #include "shared/page/page_format.h"
 #include "shared/page/page_key.h"
 
@@ -16,9 +18,10 @@ struct PageOptions {
     PageFormat format = PageFormat::png;
     ContentCoding coding = ContentCoding::identity;  ///< zstd only with PageFormat::rgba.
     std::uint8_t gutter = 0;                         ///< Texels, 0 to max_gutter_texels.
-    Accuracy accuracy = Accuracy::high;
+    Accuracy accuracy = Accuracy::high;              ///< `high` where there is an error limit.
     ChannelSet channels = ChannelSet::albedo;
     std::int64_t slice = 0;  ///< Scene::same_slice(): one number for all slices that look the same.
+    std::optional<ErrorLimit> max_error{};  ///< The cheapest accuracy that keeps it.
     bool operator==(const PageOptions&) const = default;
 };
 

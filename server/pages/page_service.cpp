@@ -4,6 +4,8 @@
 #include <stop_token>
 #include <utility>
 
+#include "server/pages/evaluate_within.h"
+
 namespace tessera {
 
 using Clock = std::chrono::steady_clock;
@@ -215,8 +217,8 @@ Result<PagePtr> PageService::evaluate(PageJob& job) {
     if (texture == nullptr) return Error{ErrorCode::malformed_request, "the scene has no such channels"};
     TexelRegion region = region_of(request.key, request.options.gutter);
     region.slice = request.options.slice;
-    const auto evaluation = texture->evaluate(region, budget, image);
-    if (!evaluation) return evaluation.error();
+    const auto evaluated_within = evaluate_within(*texture, region, request.options.max_error, budget, image);
+    if (!evaluated_within) return evaluated_within.error();
     const Clock::time_point evaluated = Clock::now();
     metrics_.evaluate_seconds.Observe(to_seconds(evaluated - begun));
 
@@ -225,7 +227,9 @@ Result<PagePtr> PageService::evaluate(PageJob& job) {
     page->key = request.key;
     page->options = request.options;
     page->revision = page_revision(*request.scene, request.key);
-    page->evaluation = *evaluation;
+    page->evaluation = evaluated_within->evaluation;
+    page->accuracy = evaluated_within->accuracy;
+    page->within_limit = evaluated_within->met;
     if (is_one_colour(image)) {
         auto shared = one_colour_pages_.encode(image, texture->texel_kind(), request.options.format,
                                                request.options.coding);

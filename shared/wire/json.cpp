@@ -1,6 +1,11 @@
 #include "shared/wire/json.h"
 
+#include <memory>
+
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 #include <google/protobuf/util/json_util.h>
+#include <google/protobuf/util/type_resolver.h>
+#include <google/protobuf/util/type_resolver_util.h>
 
 namespace tessera {
 namespace {
@@ -34,6 +39,20 @@ Result<void> read_json(std::string_view text, std::string_view where, google::pr
 Result<void> read_json_leniently(std::string_view text, std::string_view where,
                                  google::protobuf::Message& message) {
     return read(text, where, message, true);
+}
+
+Result<std::string> json_to_binary(std::string_view text, const std::string& type) {
+    constexpr const char* prefix = "type.googleapis.com";
+    const std::unique_ptr<google::protobuf::util::TypeResolver> resolver{
+        google::protobuf::util::NewTypeResolverForDescriptorPool(
+            prefix, google::protobuf::DescriptorPool::generated_pool())};
+    std::string binary;
+    google::protobuf::io::ArrayInputStream in{text.data(), static_cast<int>(text.size())};
+    google::protobuf::io::StringOutputStream out{&binary};
+    const auto status = google::protobuf::util::JsonToBinaryStream(
+        resolver.get(), std::string{prefix} + "/" + type, &in, &out);
+    if (status.ok()) return binary;
+    return Error{ErrorCode::invalid_input, std::string{status.message()}};
 }
 
 std::string write_json(const google::protobuf::Message& message) { return write(message, true); }

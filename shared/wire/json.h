@@ -17,6 +17,10 @@ Result<void> read_json(std::string_view text, std::string_view where, google::pr
 Result<void> read_json_leniently(std::string_view text, std::string_view where,
                                  google::protobuf::Message& message);
 
+/// The binary form of protobuf JSON of the message type of this full name, such as "tessera.proto.Scene".
+/// Errors as read_json(). Takes some four times the text's size at most.
+Result<std::string> json_to_binary(std::string_view text, const std::string& type);
+
 /// Indented protobuf JSON with the names of the .proto file, ending in a newline.
 std::string write_json(const google::protobuf::Message& message);
 

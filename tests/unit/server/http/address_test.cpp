@@ -50,6 +50,9 @@ TEST(PageQuery, HasOneCanonicalForm) {
     EXPECT_EQ(page_query("channels=albedo").value().canonical(), "");
     EXPECT_EQ(page_query("channels=normal&accuracy=exact&gutter=4").value().canonical(),
               "?gutter=4&accuracy=exact&channels=normal");
+    EXPECT_EQ(page_query("channels=normal&max_error=0.50&gutter=1").value().canonical(),
+              "?gutter=1&max_error=0.5&channels=normal");
+    EXPECT_EQ(page_query("max_error=2&accuracy=exact").value().canonical(), "?max_error=2");
     EXPECT_EQ(page_query("slice=0").value().canonical(), "");
     EXPECT_EQ(page_query("slice=-12&channels=normal").value().canonical(), "?channels=normal&slice=-12");
     EXPECT_EQ(page_query("slice=1099511627776").value().slice, max_slice);
@@ -78,7 +81,12 @@ TEST(PageQuery, RefusesWhatItDoesNotKnow) {
                               "slice=1099511627777",
                               "slice=-1099511627777",
                               "slice=99999999999999999999",
-                              "slice=1&slice=1"})
+                              "slice=1&slice=1",
+                              "max_error=",
+                              "max_error=-1",
+                              "max_error=1e-3",
+                              "max_error=256",
+                              "max_error=1&max_error=1"})
         EXPECT_EQ(page_query(query).error().status, 400u) << query;
 }
 

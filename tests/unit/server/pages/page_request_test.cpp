@@ -33,6 +33,11 @@ TEST(PageId, DiffersInEverythingThatBytesDependOnAndInNothingElse) {
              {},
              {PageFormat::png, ContentCoding::identity, 0, Accuracy::high, ChannelSet::albedo, slice},
              {}});
+    for (const std::uint32_t millionths : {0u, 1u, 500'000u}) {
+        PageRequest limited{scene, {}, {}, {}};
+        limited.options.max_error = ErrorLimit{millionths};
+        add(limited);
+    }
     EXPECT_EQ(tags.size(), count);
     const PageRequest plain{scene, {}, {}, {}}, urgent{scene, {}, {}, {0}},
         renamed{test::make_scene("b", nullptr), {}, {}, {}};

@@ -160,6 +160,44 @@ TEST_F(PageServiceTest, GivesTheSameBytesFromOneThreadAndFromEight) {
     }
 }
 
+TEST_F(PageServiceTest, TakesTheCheapestAccuracyWhoseBoundKeepsTheLimit) {
+    // Grey by its accuracy, with a bound of 4, 1 and 0.25 codes
+    class Stepped final : public Texture {
+      public:
+        using Texture::evaluate;
+        Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
+                                    LinearImage& out) const override {
+            const bool fast = budget.accuracy == Accuracy::fast, exact = budget.accuracy == Accuracy::exact;
+            out = LinearImage{region.width, region.height};
+            std::fill(out.values.begin(), out.values.end(), fast ? 0.1F : exact ? 0.9F : 0.5F);
+            return Evaluation{name_of(budget.accuracy), fast ? 4 : exact ? 0.25 : 1.0, exact ? 1 : 0.99, 10};
+        }
+        std::string_view kind() const noexcept override { return "stepped"; }
+        std::string description() const override { return "stepped"; }
+        std::size_t memory_bytes() const noexcept override { return 0; }
+    };
+    PageService pages{{}, registry};
+    const ScenePtr stepped = make_scene("stepped", std::make_shared<Stepped>());
+    const auto within = [&](std::optional<ErrorLimit> limit) {
+        PageRequest request{stepped, {}, {}, {}};
+        request.options.max_error = limit;
+        return ask(pages, request).result.get().value();
+    };
+    const auto limit = [](std::uint32_t millionths) { return ErrorLimit{millionths}; };
+    EXPECT_EQ(within(limit(4'000'000))->evaluation.method, "fast");
+    EXPECT_EQ(within(limit(3'999'999))->evaluation.method, "high");
+    EXPECT_EQ(within(limit(1'000'000))->accuracy, Accuracy::high);
+    EXPECT_EQ(within(limit(250'000))->evaluation.method, "exact");
+    EXPECT_TRUE(within(limit(250'000))->within_limit);
+    EXPECT_FALSE(within(limit(249'999))->within_limit);
+    EXPECT_EQ(within(limit(249'999))->evaluation.bound_codes, 0.25);
+    EXPECT_EQ(within({})->evaluation.method, "high");
+    EXPECT_TRUE(within({})->within_limit);
+    EXPECT_EQ(within(limit(1'000'000))->evaluation.work, 20u);  // what was tried has cost something too
+    EXPECT_NEAR(within(limit(1'000'000))->evaluation.confidence, 0.98, 1e-12);
+    EXPECT_EQ(within(limit(250'000))->evaluation.confidence, 1);
+}
+
 TEST_F(PageServiceTest, SharesTheBytesOfPagesOfOneColour) {
     const ScenePtr sky = make_scene("sky", make_constant_texture({90, 140, 220, 255}), "sky");
     PageService pages{{}, registry};
