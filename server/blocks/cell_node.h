@@ -8,6 +8,7 @@
 
 #include "proto/pattern.pb.h"
 
+#include "server/blocks/animation_op.h"
 #include "server/blocks/cell_op.h"
 #include "server/blocks/cell_program.h"
 #include "server/blocks/graph.h"
@@ -47,6 +48,7 @@ struct CellNode {
     int reach = 0;                ///< How many cells further its inputs are read.
     std::optional<CellDraw> draw;
     std::optional<CellMap> map;
+    std::shared_ptr<const AnimationOp> animation;  ///< The op, where it is one.
 
     bool constant() const noexcept { return least == most && !steps; }
 };

@@ -3,10 +3,21 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "shared/motion/cycle.h"
+
 namespace tessera {
 
 inline constexpr std::int32_t stretch_cells = 1024;
 inline constexpr std::int32_t max_reach = 4;  ///< Corners of corners: so many cells further.
+
+/// What an enumeration asks an animation instead of a step: how often it shows a frame, or what its cells' cycles
+/// are, under one of its settings.
+struct AnimationProbe {
+    std::size_t setting = 0;
+    std::int32_t frame = 0;     ///< Is shown, …
+    double* shares = nullptr;   ///< … and what share of all steps it is, is multiplied to these.
+    Cycle* cycles = nullptr;
+};
 
 /// Cells of one row that are worked on at a time.
 struct Stretch {
@@ -16,6 +27,8 @@ struct Stretch {
     std::int64_t step = 0;
     std::int32_t count = 0;                ///< At most stretch_cells + max_reach.
     const std::uint16_t* types = nullptr;  ///< Of these cells, where something is typed.
+    Validity* validity = nullptr;          ///< Animations narrow it to the steps in which no cell changes.
+    const AnimationProbe* probe = nullptr;  ///< Asked instead of the step.
 };
 
 /// One small function of the graph, over a stretch of cells: integers, or numbers in steps of 2^-16. Called
@@ -32,7 +45,7 @@ class CellOp {
     virtual std::size_t memory_bytes() const noexcept { return 0; }
 };
 
-inline constexpr std::size_t max_inputs = 5;
+inline constexpr std::size_t max_inputs = 16;
 
 /// Numbers are held in steps of 2^-16.
 inline constexpr std::int32_t number_one = 65536;

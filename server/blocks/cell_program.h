@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/blocks/stored_map.h"
+#include "shared/motion/validity.h"
 
 namespace tessera {
 
@@ -15,9 +16,10 @@ struct CellRow {
     std::int64_t y = 0;
     std::int32_t count = 0;  ///< At most 4096.
     std::int64_t z = 0;      ///< The layer of cells, where a grid has a third dimension.
-    std::int64_t step = 0;   ///< The animation clock. 0 until scenes have one.
+    std::int64_t step = 0;   ///< The animation clock.
     const std::uint16_t* types =
         nullptr;  ///< Of these cells in the grid's quadtree; needed if needs_types().
+    Validity* validity = nullptr;  ///< Narrowed, if given, to the steps in which no cell's frame changes.
 };
 
 /// What a cell shows.
@@ -36,6 +38,17 @@ struct LookShare {
     std::uint8_t turn = 0;
     std::uint8_t scale = 0;
     double share = 0;
+};
+
+/// Steps for which how often cells show what is told at once.
+struct Epoch {
+    Validity validity{};
+    Step step = 0;
+    /// The shares are each frame's share of all steps; else they are those of the steps in `validity`.
+    bool average = true;
+    std::size_t setting = 0;  ///< Of the animation; counts with `average`.
+    /// Of looks at any step in `validity`, at most so much of the shares lies elsewhere.
+    double uneven = 0;
 };
 
 /// The one map whose entries shift the probabilities over the plane.
@@ -83,8 +96,23 @@ class CellProgram {
     virtual Look look_of_type(std::uint16_t type) const = 0;  ///< Basis typed or constant.
     virtual std::optional<VaryingMap> varying() const = 0;    ///< Basis varying.
     /// How often a cell shows what, where the map's states are given: none (constant, typed, stationary),
-    /// one, or four. Shares sum to 1; blank is listed too. Basis other: empty.
+    /// one, or four. Shares sum to 1; blank is listed too. Basis other: empty. Where looks move, of all steps
+    /// and all settings of the animation: every look that can occur is listed.
     virtual std::vector<LookShare> shares(std::span<const std::int32_t> states) const = 0;
+
+    /// Whether looks change with the step. Their basis is stationary, varying or other.
+    virtual bool moves() const noexcept { return false; }
+    /// The steps around `step` whose shares are the same, or, if that leaves no more than `most_uneven` of
+    /// them elsewhere, are the same on average.
+    virtual Epoch epoch(Step step, double most_uneven) const {
+        static_cast<void>(most_uneven);
+        return {.step = step};
+    }
+    /// shares() of an epoch's steps.
+    virtual std::vector<LookShare> shares_in(const Epoch& epoch, std::span<const std::int32_t> states) const {
+        static_cast<void>(epoch);
+        return shares(states);
+    }
 
     /// Where cells only draw from nested thresholds: the patterns by rising threshold, each as often as its
     /// threshold is. In every aligned block of cells the number of those below a threshold is then right

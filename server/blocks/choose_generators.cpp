@@ -47,6 +47,7 @@ Result<void> choose_generators(Compilation& c) {
         std::vector<std::size_t> draws;
         const CellNode* varies = nullptr;  // Why draws may not be typed: a map, …
         std::size_t corners = no_block;    // … draws that neighbours see, …
+        const CellNode* moves = nullptr;   // … an animation, …
         bool mixed = false;                // … or another generator.
     };
     std::vector<Looks> textures;
@@ -57,10 +58,11 @@ Result<void> choose_generators(Compilation& c) {
             if (at_corners[node] || (user.corners && i == 0)) at_corners[user.inputs[i]] = true;
     }
     for (const PendingReference& reference : c.references) {
-        Looks texture{reference.block, {}, nullptr, no_block, false};
+        Looks texture{reference.block, {}, nullptr, no_block, nullptr, false};
         for (const std::size_t node : nodes_under(c, reference)) {
             c.nodes[node].shown = true;
             if (c.nodes[node].map) texture.varies = &c.nodes[node];
+            if (c.nodes[node].animation) texture.moves = &c.nodes[node];
             const bool nested = c.nodes[node].draw ? c.nodes[node].draw->generator == proto::Draw::nested
                                                    : c.nodes[node].map && c.nodes[node].map->nested;
             if (nested && at_corners[node])
@@ -79,7 +81,7 @@ Result<void> choose_generators(Compilation& c) {
         changed = false;
         for (Looks& texture : textures) {
             if (texture.mixed) continue;
-            texture.mixed = texture.varies != nullptr || texture.corners != no_block;
+            texture.mixed = texture.varies != nullptr || texture.corners != no_block || texture.moves != nullptr;
             for (const std::size_t node : texture.draws) {
                 const Generator generator = c.nodes[node].draw->generator;
                 texture.mixed |= generator != proto::Draw::automatic && generator != proto::Draw::typed;
@@ -103,6 +105,10 @@ Result<void> choose_generators(Compilation& c) {
                                "is typed, but the looks of " + name(texture.block) +
                                    " vary over the plane with " + name(texture.varies->block) +
                                    "; leave it out, or make it independent");
+            if (texture.moves != nullptr)
+                return c.error(draw.block, ".generator",
+                               "is typed, but the looks of " + name(texture.block) + " move with " +
+                                   name(texture.moves->block) + "; leave it out, or make it independent");
             if (at_corners[node])
                 return c.error(
                     draw.block, ".generator",

@@ -12,15 +12,6 @@
 
 namespace tessera {
 
-/// Frames of an animation: 3.4.
-struct FrameLine {
-    std::vector<std::int32_t> patterns;
-    std::vector<std::int64_t> ends;  ///< The step, from the start, at which each ends.
-    std::int32_t least = 0, most = 0;
-
-    std::int64_t steps() const noexcept { return ends.back(); }
-};
-
 /// How numbers become the steps of a look.
 struct LookSteps {
     std::int32_t turns = 1;       ///< Steps of a whole turn, …

@@ -63,12 +63,13 @@ class LookProgram final : public CellProgram {
                 basis_ = Basis::stationary;
             else
                 basis_ = found.typed ? Basis::typed : Basis::constant;
+            if (moves_) basis_ = Basis::stationary;
         }
         if (basis_ == Basis::constant || basis_ == Basis::typed) tabulate(basis_ == Basis::typed ? types : 1);
     }
 
     void patterns(const CellRow& row, std::int32_t* out) const override {
-        if (tabulated(row)) {
+        if (tabulated()) {
             if (basis_ == Basis::typed)
                 kernels_.look_up_types(pattern_of_type_.data(), row.types, row.count, out);
             else
@@ -84,7 +85,7 @@ class LookProgram final : public CellProgram {
     }
 
     void looks(const CellRow& row, Look* out) const override {
-        if (tabulated(row)) {
+        if (tabulated()) {
             for (std::int32_t i = 0; i < row.count; ++i)
                 out[i] = look_of_type_[basis_ == Basis::typed ? row.types[i] : 0];
             return;
@@ -98,6 +99,11 @@ class LookProgram final : public CellProgram {
     }
 
     Basis basis() const noexcept override { return basis_; }
+    bool moves() const noexcept override { return moves_; }
+    Epoch epoch(Step step, double most_uneven) const override { return shares_.epoch(step, most_uneven); }
+    std::vector<LookShare> shares_in(const Epoch& epoch, std::span<const std::int32_t> states) const override {
+        return shares_.shares(states, epoch);
+    }
     bool needs_types() const noexcept override { return needs_types_; }
     bool independent_cells() const noexcept override { return shares_.independent_cells(); }
     Look look_of_type(std::uint16_t type) const override {
@@ -141,13 +147,11 @@ class LookProgram final : public CellProgram {
                 row.z,
                 row.step,
                 std::min(row.count - done, stretch_cells),
-                row.types == nullptr ? nullptr : row.types + done};
+                row.types == nullptr ? nullptr : row.types + done,
+                row.validity};
     }
 
-    /// The tables hold what is shown at step 0.
-    bool tabulated(const CellRow& row) const noexcept {
-        return !pattern_of_type_.empty() && (!moves_ || row.step == 0);
-    }
+    bool tabulated() const noexcept { return !pattern_of_type_.empty(); }
 
     void pack(const std::int32_t* space, std::int32_t count, Look* out) const noexcept {
         const std::int32_t *pattern = looks_.root(0, space), *x = looks_.root(1, space),

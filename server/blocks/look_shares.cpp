@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
+
+#include "shared/motion/evenness.h"
 
 namespace tessera {
 
@@ -46,7 +49,6 @@ LookShares::LookShares(std::shared_ptr<const std::vector<CellNode>> nodes, std::
     // What the leaves are
     bool typed = false, drawn = false, other = false, draws_at_corners = false, far_draws = false;
     for (const Group& group : groups_) {
-        other |= group.states > max_states;
         for (const CellSchedule::Leaf& leaf : group.schedule.leaves()) {
             const CellNode& node = (*nodes_)[leaf.node];
             if (node.map) {
@@ -75,6 +77,14 @@ LookShares::LookShares(std::shared_ptr<const std::vector<CellNode>> nodes, std::
     } else {
         independent_ &= !draws_at_corners;
     }
+    other |= !find_animation() || (animated_ != nullptr && (corners_ || draws_at_corners));
+    for (const Group& group : groups_) {
+        std::uint64_t states = group.states;
+        if (group.moves)
+            states = states_of(group, {.phases = false}) * animated_->animation->settings().size() *
+                     static_cast<std::uint64_t>(animated_->animation->frames().line.frames()) / 4;
+        other |= states > max_states;
+    }
     std::uint64_t outcomes = 1;
     for (const Group& group : groups_) {
         std::uint64_t most = 1;
@@ -84,7 +94,7 @@ LookShares::LookShares(std::shared_ptr<const std::vector<CellNode>> nodes, std::
             most = std::min(most * static_cast<std::uint64_t>(std::int64_t{root.most} - root.least + 1),
                             max_states);
         }
-        outcomes *= std::min(most, group.states);
+        outcomes *= group.moves ? most : std::min(most, group.states);
         other |= outcomes > max_states;
         outcomes = std::min(outcomes, max_states);
     }
@@ -96,6 +106,131 @@ LookShares::LookShares(std::shared_ptr<const std::vector<CellNode>> nodes, std::
         basis_ = Basis::stationary;
     else if (typed)
         basis_ = Basis::typed;
+    if (animated_ != nullptr && !other)
+        for (const Group& group : groups_)
+            for (std::size_t setting = 0; group.moves && setting < animated_->animation->settings().size();
+                 ++setting)
+                uneven_.push_back(uneven_at(group, setting));
+}
+
+/// Finds which animation is shown, if any, and what depends on its phases alone. False if only cells
+/// themselves tell: there are several, or neighbours see it.
+bool LookShares::find_animation() {
+    std::vector<bool> shown(nodes_->size(), false), at_corners(nodes_->size(), false);
+    for (const std::size_t root : roots_) shown[root] = true;
+    std::size_t animated = nodes_->size();
+    int animations = 0;
+    std::vector<std::size_t> phases;
+    for (std::size_t node = nodes_->size(); node-- > 0;) {
+        if (!shown[node]) continue;
+        const CellNode& user = (*nodes_)[node];
+        std::vector<bool> only_phase(user.inputs.size(), false);
+        if (user.animation) {
+            ++animations;
+            animated = node;
+            only_phase.assign(user.inputs.size(), true);
+            for (const AnimationSetting& setting : user.animation->settings()) {
+                if (setting.rest.input >= 0) only_phase[static_cast<std::size_t>(setting.rest.input)] = false;
+                if (setting.phase.input >= 0)
+                    phases.push_back(user.inputs[static_cast<std::size_t>(setting.phase.input)]);
+            }
+        }
+        for (std::size_t i = 0; i < user.inputs.size(); ++i) {
+            if (at_corners[node] || (user.corners && i == 0)) at_corners[user.inputs[i]] = true;
+            if (!only_phase[i]) shown[user.inputs[i]] = true;
+        }
+    }
+    if (animations == 0) return true;
+    animated_ = &(*nodes_)[animated];
+    std::vector<bool> phase(nodes_->size(), false);
+    for (const std::size_t node : phases) phase[node] = true;
+    even_phases_ = true;
+    for (std::size_t node = nodes_->size(); node-- > 0;) {
+        if (!phase[node]) continue;
+        even_phases_ &= !(*nodes_)[node].map;
+        for (const std::size_t input : (*nodes_)[node].inputs) phase[input] = true;
+    }
+    for (Group& group : groups_) {
+        std::vector<bool> under(nodes_->size(), false);
+        for (int part = 0; part < group.part_count; ++part)
+            under[roots_[static_cast<std::size_t>(group.parts[static_cast<std::size_t>(part)])]] = true;
+        for (std::size_t node = nodes_->size(); node-- > 0;)
+            if (under[node])
+                for (const std::size_t input : (*nodes_)[node].inputs) under[input] = true;
+        group.moves = under[animated];
+        for (Variable& variable : group.variables) {
+            bool some = false;
+            variable.only_phases = true;
+            for (const std::size_t leaf : variable.leaves) {
+                const std::size_t node = group.schedule.leaves()[leaf].node;
+                some |= phase[node];
+                variable.only_phases &= phase[node] && !shown[node];
+            }
+            even_phases_ &= !some || variable.only_phases;
+        }
+    }
+    if (map_ != nullptr) {
+        map_states_ = map_->map->map->values;
+        if (map_->map->map->edge == StoredMap::Edge::blank) map_states_.push_back(-1);
+        std::sort(map_states_.begin(), map_states_.end());
+        map_states_.erase(std::unique(map_states_.begin(), map_states_.end()), map_states_.end());
+    }
+    return animations == 1 && !at_corners[animated];
+}
+
+template <class Visit>
+void LookShares::for_map_states(const Visit& visit) const {
+    if (map_ == nullptr) visit(std::span<const std::int32_t>{});
+    for (const std::int32_t& state : map_states_) visit(std::span{&state, 1});
+}
+
+/// Of the shares, how much may lie elsewhere at one step under a setting; 1 where nothing is sure, or it
+/// would take long to find out.
+double LookShares::uneven_at(const Group& group, std::size_t setting) const {
+    constexpr std::uint64_t most_phases = std::uint64_t{1} << 17, most_rests = std::uint64_t{1} << 18,
+                            most_both = std::uint64_t{1} << 22;
+    const Enumeration of_phases{.others = false, .by_setting = true, .setting = setting},
+        of_rests{.phases = false, .by_setting = true, .setting = setting};
+    const std::uint64_t maps = std::max<std::uint64_t>(map_states_.size(), 1);
+    if (!even_phases_ || states_of(group, of_phases) > most_phases ||
+        states_of(group, of_rests) * maps > most_rests)
+        return 1;
+    std::vector<WeightedPhase> phases;
+    for_states(group, std::span{map_states_}.first(map_ == nullptr ? 0 : 1), of_phases,
+               [&](const auto&, double weight, const Cycle& cycle) {
+                   phases.push_back({cycle.phase, weight});
+               });
+    std::set<std::int64_t> rests;
+    for_map_states([&](std::span<const std::int32_t> states) {
+        for_states(group, states, of_rests,
+                   [&](const auto&, double, const Cycle& cycle) { rests.insert(cycle.rest); });
+    });
+    if (phases.size() * rests.size() > most_both) return 1;
+    double most = 0;
+    for (const std::int64_t rest : rests)
+        most = std::max(most, uneven_frames(animated_->animation->frames().line, rest, phases));
+    return most;
+}
+
+Epoch LookShares::epoch(Step step, double most_uneven) const {
+    if (uneven_.empty()) return {.step = step};
+    constexpr std::uint64_t most_told = std::uint64_t{1} << 16;
+    const Group& group =
+        *std::find_if(groups_.begin(), groups_.end(), [](const Group& g) { return g.moves; });
+    const AnimationOp::Settled settled = animated_->animation->settled_at(step);
+    const auto setting = static_cast<std::size_t>(std::max(settled.setting, 0));
+    const double uneven = settled.setting < 0 ? 1 : uneven_[setting];
+    const std::uint64_t states = states_of(group, {});
+    if (uneven <= most_uneven || states > max_states) return {settled.holds, step, true, setting, uneven};
+    Epoch now{{}, step, false, setting, 0};
+    if (states * std::max<std::uint64_t>(map_states_.size(), 1) > most_told)
+        now.validity = {step, add_steps(step, 1)};
+    else
+        for_map_states([&](std::span<const std::int32_t> of_map) {
+            for_states(group, of_map, {.step = step, .validity = &now.validity},
+                       [](const auto&, double, const Cycle&) {});
+        });
+    return now;
 }
 
 bool LookShares::Variable::same(const CellDraw& other, int x, int y) const noexcept {
@@ -155,8 +290,16 @@ LookShares::Group LookShares::make_group(std::span<const int> parts) const {
     return group;
 }
 
+std::uint64_t LookShares::states_of(const Group& group, const Enumeration& what) noexcept {
+    std::uint64_t states = 1;
+    for (const Variable& variable : group.variables)
+        if (variable.only_phases ? what.phases : what.others)
+            states = states > max_states ? states : states * variable.states();
+    return states;
+}
+
 template <class Visit>
-void LookShares::for_states(const Group& group, std::span<const std::int32_t> states,
+void LookShares::for_states(const Group& group, std::span<const std::int32_t> states, const Enumeration& what,
                             const Visit& visit) const {
     std::vector<std::int32_t> space(group.schedule.space());
     const auto leaves = group.schedule.leaves();
@@ -186,16 +329,19 @@ void LookShares::for_states(const Group& group, std::span<const std::int32_t> st
         }
     }
 
+    const std::uint64_t all = states_of(group, what);
     std::vector<std::uint64_t> at(group.variables.size(), 0);
     std::vector<double> weights(stretch_cells);
-    for (std::uint64_t done = 0; done < group.states;) {
-        const auto count =
-            static_cast<std::int32_t>(std::min<std::uint64_t>(stretch_cells, group.states - done));
+    std::vector<Cycle> cycles(stretch_cells);
+    const AnimationProbe probe{what.setting, what.frame, weights.data(), cycles.data()};
+    for (std::uint64_t done = 0; done < all;) {
+        const auto count = static_cast<std::int32_t>(std::min<std::uint64_t>(stretch_cells, all - done));
         for (std::int32_t i = 0; i < count; ++i) {
             double weight = 1;
             for (std::size_t v = 0; v < group.variables.size(); ++v) {
                 const Variable& variable = group.variables[v];
-                weight *= variable.weights[at[v]];
+                const bool counts = variable.only_phases ? what.phases : what.others;
+                if (counts) weight *= variable.weights[at[v]];
                 for (const std::size_t leaf : variable.leaves)
                     row_of(leaf)[i] =
                         variable.typed()
@@ -206,11 +352,16 @@ void LookShares::for_states(const Group& group, std::span<const std::int32_t> st
             }
             weights[static_cast<std::size_t>(i)] = weight;
             for (std::size_t v = 0; v < at.size(); ++v) {
+                if (!(group.variables[v].only_phases ? what.phases : what.others)) continue;
                 if (++at[v] < group.variables[v].states()) break;
                 at[v] = 0;
             }
         }
-        group.schedule.run({.count = count}, space.data());
+        group.schedule.run({.step = what.step,
+                            .count = count,
+                            .validity = what.validity,
+                            .probe = what.by_setting ? &probe : nullptr},
+                           space.data());
         for (std::int32_t i = 0; i < count; ++i) {
             std::array<std::int32_t, 3> values{};
             for (std::size_t part = 0; part < static_cast<std::size_t>(group.part_count); ++part) {
@@ -220,17 +371,32 @@ void LookShares::for_states(const Group& group, std::span<const std::int32_t> st
                                                           : which == 1 ? steps_.turn(value)
                                                                        : steps_.scale(value);
             }
-            visit(values, weights[static_cast<std::size_t>(i)]);
+            visit(values, weights[static_cast<std::size_t>(i)], cycles[static_cast<std::size_t>(i)]);
         }
         done += static_cast<std::uint64_t>(count);
     }
 }
 
 std::vector<LookShares::Outcome> LookShares::enumerate(const Group& group,
-                                                       std::span<const std::int32_t> states) const {
+                                                       std::span<const std::int32_t> states,
+                                                       const Epoch* epoch) const {
     std::map<std::array<std::int32_t, 3>, double> sums;
-    for_states(group, states,
-               [&](const std::array<std::int32_t, 3>& values, double weight) { sums[values] += weight; });
+    const auto add = [&](const std::array<std::int32_t, 3>& values, double weight, const Cycle&) {
+        sums[values] += weight;
+    };
+    if (!group.moves) {
+        for_states(group, states, {}, add);
+    } else if (epoch != nullptr && !epoch->average) {
+        for_states(group, states, {.step = epoch->step}, add);
+    } else {
+        const AnimationOp& animation = *animated_->animation;
+        const std::size_t first = epoch != nullptr ? epoch->setting : 0,
+                          last = epoch != nullptr ? epoch->setting : animation.settings().size() - 1;
+        for (std::size_t setting = first; setting <= last; ++setting)
+            for (std::int32_t frame = 0; frame < animation.frames().line.frames(); ++frame)
+                for_states(group, states,
+                           {.phases = false, .by_setting = true, .setting = setting, .frame = frame}, add);
+    }
     double total = 0;
     for (const auto& [values, share] : sums) total += share;
     std::vector<Outcome> outcomes;
@@ -244,7 +410,7 @@ std::optional<VaryingMap> LookShares::varying() const {
 }
 
 std::vector<std::int32_t> LookShares::nested_patterns() const {
-    if (basis_ != Basis::stationary) return {};
+    if (basis_ != Basis::stationary || animated_ != nullptr) return {};
     const Group* nested = nullptr;
     for (const Group& group : groups_) {
         if (group.variables.empty()) continue;
@@ -256,17 +422,26 @@ std::vector<std::int32_t> LookShares::nested_patterns() const {
         if ((*nodes_)[leaf.node].draw->generator != proto::Draw::nested || leaf.dx != 0 || leaf.dy != 0)
             return {};
     std::vector<std::int32_t> patterns;
-    for_states(*nested, {},
-               [&](const std::array<std::int32_t, 3>& values, double) { patterns.push_back(values[0]); });
+    for_states(*nested, {}, {}, [&](const std::array<std::int32_t, 3>& values, double, const Cycle&) {
+        patterns.push_back(values[0]);
+    });
     return patterns;
 }
 
 std::vector<LookShare> LookShares::shares(std::span<const std::int32_t> states) const {
+    return shares(states, nullptr);
+}
+
+std::vector<LookShare> LookShares::shares(std::span<const std::int32_t> states, const Epoch& epoch) const {
+    return shares(states, animated_ == nullptr ? nullptr : &epoch);
+}
+
+std::vector<LookShare> LookShares::shares(std::span<const std::int32_t> states, const Epoch* epoch) const {
     const std::size_t needed = map_ == nullptr ? 0 : corners_ ? 4 : 1;
     if (basis_ == Basis::other || states.size() < needed) return {};
     std::vector<Outcome> all{{{0, 0, 0}, 1.0}};
     for (const Group& group : groups_) {
-        const std::vector<Outcome> more = enumerate(group, states);
+        const std::vector<Outcome> more = enumerate(group, states, epoch);
         std::vector<Outcome> joined;
         joined.reserve(all.size() * more.size());
         for (const Outcome& a : all)

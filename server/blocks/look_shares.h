@@ -24,6 +24,10 @@ class LookShares {
     std::optional<VaryingMap> varying() const;
     std::vector<LookShare> shares(std::span<const std::int32_t> states) const;
 
+    /// As CellProgram's.
+    Epoch epoch(Step step, double most_uneven) const;
+    std::vector<LookShare> shares(std::span<const std::int32_t> states, const Epoch& epoch) const;
+
     /// As CellProgram::nested_patterns().
     std::vector<std::int32_t> nested_patterns() const;
 
@@ -40,6 +44,7 @@ class LookShares {
             starts;  ///< Fractions k/n at which states begin.
         std::vector<double> weights;
         std::vector<std::size_t> leaves;  ///< Of the group's schedule.
+        bool only_phases = false;         ///< Nothing but the phases of the animation depends on it.
         std::uint64_t states() const noexcept { return weights.size(); }
     };
     /// Some of pattern, turn and scale that draw together.
@@ -50,17 +55,36 @@ class LookShares {
         std::vector<Variable> variables;
         std::vector<std::size_t> map_leaves;
         std::uint64_t states = 1;
+        bool moves = false;
+    };
+    /// Which draws of a group are enumerated, and at which step or under which setting.
+    struct Enumeration {
+        bool phases = true, others = true;
+        Step step = 0;
+        Validity* validity = nullptr;
+        bool by_setting = false;
+        std::size_t setting = 0;
+        std::int32_t frame = 0;
     };
     struct Outcome {
         std::array<std::int32_t, 3> values;
         double share;
     };
     Group make_group(std::span<const int> parts) const;
-    /// Runs the group for each joint state of its draws: `visit(values, weight)`, the first variable's states
-    /// fastest.
+    static std::uint64_t states_of(const Group& group, const Enumeration& what) noexcept;
+    /// Runs the group for each joint state of its draws: `visit(values, weight, cycle)`, the first variable's
+    /// states fastest. Draws that are not enumerated are as their first state.
     template <class Visit>
-    void for_states(const Group& group, std::span<const std::int32_t> states, const Visit& visit) const;
-    std::vector<Outcome> enumerate(const Group& group, std::span<const std::int32_t> states) const;
+    void for_states(const Group& group, std::span<const std::int32_t> states, const Enumeration& what,
+                    const Visit& visit) const;
+    std::vector<Outcome> enumerate(const Group& group, std::span<const std::int32_t> states,
+                                   const Epoch* epoch) const;
+    std::vector<LookShare> shares(std::span<const std::int32_t> states, const Epoch* epoch) const;
+    bool find_animation();
+    double uneven_at(const Group& group, std::size_t setting) const;
+    /// The animated group's, for each state that the map can have.
+    template <class Visit>
+    void for_map_states(const Visit& visit) const;
 
     std::array<std::size_t, 3> roots_;
     LookSteps steps_;
@@ -70,6 +94,10 @@ class LookShares {
     bool independent_ = true;
     const CellNode* map_ = nullptr;
     bool corners_ = false;
+    const CellNode* animated_ = nullptr;    ///< The one animation that pattern, turn or scale depend on.
+    bool even_phases_ = false;              ///< Its phases are drawn, and nothing else depends on them.
+    std::vector<std::int32_t> map_states_;  ///< Where there is an animation.
+    std::vector<double> uneven_;            ///< By setting.
 };
 
 }  // namespace tessera

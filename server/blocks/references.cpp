@@ -85,6 +85,11 @@ BlockShape shape_of(const proto::Block& block) {
             list.name(".sequence", block.animation_map().sequence(), bit(Output::sequence));
             list.value(".phase", block.animation_map().phase(), numbers);
             list.value(".rest", block.animation_map().rest(), numbers);
+            for (int i = 0; i < block.animation_map().changes_size(); ++i) {
+                const std::string change = ".changes[" + std::to_string(i) + "]";
+                list.value(change + ".phase", block.animation_map().changes(i).phase(), numbers);
+                list.value(change + ".rest", block.animation_map().changes(i).rest(), numbers);
+            }
             break;
         case proto::Block::kTileTransform:
             shape.kind = "tile_transform", shape.output = Output::transform;

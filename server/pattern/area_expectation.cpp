@@ -16,8 +16,9 @@ constexpr double rounding_codes = 4e-5;
 /// The same probabilities everywhere: one colour.
 class StationaryExpectation final : public AreaExpectation {
   public:
-    StationaryExpectation(const CellProgram& program, const LookMeans& means, std::int32_t slice)
-        : independent_{program.independent_cells()} {
+    StationaryExpectation(const CellProgram& program, const LookMeans& means, std::int32_t slice,
+                          double uneven)
+        : independent_{program.independent_cells()}, uneven_{uneven} {
         const std::vector<LookShare> shares = program.shares({});
         base_ = base_of(shares, means, slice);
         mixture_ = mixture_of(shares, means, slice, base_);
@@ -70,14 +71,16 @@ class StationaryExpectation final : public AreaExpectation {
         const double hoeffding = chance_codes(width, cells);
         const double farthest =
             std::max(mixture_.range.most[c] - mixture_.mean[c], mixture_.mean[c] - mixture_.range.least[c]);
-        const double linear = 2 * farthest * log_of_odds / 3;
+        // Shares that lie elsewhere shift the mean by so much of the width, and squares and the mean's square
+        const double linear = 2 * (farthest + uneven_ * width) * log_of_odds / 3;
+        const double variance = mixture_.variance[c] + 3 * uneven_ * width * width;
         const double bernstein =
-            (linear + std::sqrt(linear * linear + 8 * cells * log_of_odds * mixture_.variance[c])) /
-            (2 * cells);
+            (linear + std::sqrt(linear * linear + 8 * cells * log_of_odds * variance)) / (2 * cells);
         return std::min(hoeffding, 255 * bernstein);
     }
 
     bool independent_;
+    double uneven_;
     bool is_nested_ = false;
     Colour base_{};
     LookMixture mixture_;
@@ -87,11 +90,12 @@ class StationaryExpectation final : public AreaExpectation {
 }  // namespace
 
 std::unique_ptr<const AreaExpectation> make_area_expectation(const CellProgram& program,
-                                                             const LookMeans& means, std::int32_t slice) {
+                                                             const LookMeans& means, std::int32_t slice,
+                                                             double uneven) {
     switch (program.basis()) {
         case CellProgram::Basis::constant:
         case CellProgram::Basis::stationary:
-            return std::make_unique<const StationaryExpectation>(program, means, slice);
+            return std::make_unique<const StationaryExpectation>(program, means, slice, uneven);
         case CellProgram::Basis::varying:
             return make_map_expectation(program, means, slice);
         case CellProgram::Basis::typed:

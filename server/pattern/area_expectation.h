@@ -29,10 +29,12 @@ class AreaExpectation {
     virtual std::size_t memory_bytes() const noexcept = 0;
 };
 
-/// `means`: of a slice's looks. Null where the looks cannot be listed (Basis::other, or too many states), and
+/// `means`: of a slice's looks. `uneven`: how much of the shares may lie elsewhere, which widens chance but is
+/// not in the bound itself. Null where the looks cannot be listed (Basis::other, or too many states), and
 /// for typed ones, whose sums are exact. `program` lives as long as the result.
 std::unique_ptr<const AreaExpectation> make_area_expectation(const CellProgram& program,
-                                                             const LookMeans& means, std::int32_t slice);
+                                                             const LookMeans& means, std::int32_t slice,
+                                                             double uneven = 0);
 
 /// The most that the expectation of one slice may take, in bytes.
 std::uint64_t area_expectation_bytes(const CellProgram& program);

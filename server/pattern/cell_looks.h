@@ -11,10 +11,10 @@ namespace tessera {
 /// The looks of a rectangle of cells, a row at a time.
 class CellLooks {
   public:
-    /// Cells from (x, y) on, in layer `z` of the grid's cells. `plan` lives longer.
-    CellLooks(const ReferencePlan& plan, std::int64_t z, std::int64_t x, std::int64_t y, std::int32_t width,
-              std::int32_t height)
-        : plan_{plan}, x_{x}, z_{z}, width_{width}, looks_(static_cast<std::size_t>(width)) {
+    /// Cells from (x, y) on, in layer `z` of the grid's cells, at `step`. `plan` lives longer.
+    CellLooks(const ReferencePlan& plan, std::int64_t step, std::int64_t z, std::int64_t x, std::int64_t y,
+              std::int32_t width, std::int32_t height)
+        : plan_{plan}, step_{step}, x_{x}, z_{z}, width_{width}, looks_(static_cast<std::size_t>(width)) {
         if (plan.program->needs_types()) types_ = plan.grid.quadtree->types_of(0, x, y, width, height, z);
     }
 
@@ -22,19 +22,28 @@ class CellLooks {
     const Look* row(std::int64_t y) {
         constexpr std::int32_t at_once = 4096;
         for (std::int32_t from = 0; from < width_; from += at_once) {
-            CellRow row{.x = x_ + from, .y = y, .count = std::min(at_once, width_ - from), .z = z_};
+            CellRow row{.x = x_ + from,
+                        .y = y,
+                        .count = std::min(at_once, width_ - from),
+                        .z = z_,
+                        .step = step_,
+                        .validity = &validity_};
             if (!types_.types.empty()) row.types = types_.row(y) + (x_ - types_.x) + from;
             plan_.program->looks(row, looks_.data() + from);
         }
         return looks_.data();
     }
 
+    /// The steps in which all rows that were asked for stay the same.
+    const Validity& validity() const noexcept { return validity_; }
+
   private:
     const ReferencePlan& plan_;
-    std::int64_t x_, z_;
+    std::int64_t step_, x_, z_;
     std::int32_t width_;
     std::vector<Look> looks_;
     TypeGrid types_;
+    Validity validity_;
 };
 
 }  // namespace tessera

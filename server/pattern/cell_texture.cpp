@@ -3,15 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <optional>
 #include <utility>
 #include <vector>
 
-#include "server/pattern/area_expectation.h"
 #include "server/pattern/cell_rows.h"
 #include "server/pattern/cell_slice.h"
+#include "server/pattern/epoch_expectation.h"
 #include "server/pattern/pattern_mips.h"
 #include "server/pattern/pixel_format.h"
-#include "server/pattern/slice_cache.h"
 #include "server/pattern/typed_texture.h"
 #include "shared/math/hash.h"
 
@@ -40,9 +40,11 @@ class DrawnCells final : public PatternTexture {
         for (std::int32_t pattern = 0; pattern < mips_->count(); ++pattern)
             for (std::int32_t slice = 0; slice < mips_->slices(); ++slice)
                 means_.means.push_back(mips_->mean(mips_->image(pattern, slice)));
-        const auto first = of_slice(0);
-        known_ = first->expectation != nullptr;
-        certain_ = known_ && first->expectation->bound(1).codes == 0;
+        ColourRange range;
+        range.add(Colour{});
+        for (const auto& mean : means_.means) range.add(mean);
+        width_ = range.width();
+        expectation_.emplace(program_, means_, width_);
     }
 
     Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
@@ -53,8 +55,9 @@ class DrawnCells final : public PatternTexture {
         if (region.level <= grid_.cell_log2) return copy(region, at, budget, out);
         const int up = region.level - grid_.cell_log2;
         if (by_expectation(up, budget.accuracy))
-            return of_slice(at.slice)->expectation->evaluate(region, up, budget, out);
-        if (known_ || up <= sampled_levels(budget.accuracy)) return sum_cells(region, at, budget, out);
+            return expectation_->evaluate(region, at.slice, up, budget, out);
+        if (expectation_->known() || up <= sampled_levels(budget.accuracy))
+            return sum_cells(region, at, budget, out);
         return sample_cells(region, at, budget, out);
     }
     Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
@@ -65,8 +68,7 @@ class DrawnCells final : public PatternTexture {
             return copy(region, at, budget, out);
         }
         const int up = region.level - grid_.cell_log2;
-        if (at.slice < mips_->slices() && by_expectation(up, budget.accuracy) &&
-            of_slice(at.slice)->expectation->uniform())
+        if (at.slice < mips_->slices() && by_expectation(up, budget.accuracy) && expectation_->uniform())
             return fill(region, budget, out);
         return Texture::evaluate(region, budget, out);
     }
@@ -74,39 +76,19 @@ class DrawnCells final : public PatternTexture {
     std::string description() const override {
         return std::to_string(mips_->count()) + " patterns, cells of " +
                std::to_string(std::int64_t{1} << grid_.cell_log2) + " texels, above them " +
-               (certain_ ? "exact"
-                : known_ ? "cells, then their expectation"
-                         : "cells, then a sample of them");
+               (expectation_->certain() ? "exact"
+                : expectation_->known() ? "cells, then their expectation"
+                                        : "cells, then a sample of them");
     }
     std::size_t memory_bytes() const noexcept override {
-        const auto first = of_slice(0);
-        const std::size_t of_a_slice = known_ ? first->expectation->memory_bytes() : 0;
         return sizeof *this + mips_->memory_bytes() + means_.memory_bytes() + program_->memory_bytes() +
-               of_a_slice * std::min(SliceCache<OfSlice>::most_kept, std::size_t(mips_->slices()));
+               expectation_->memory_bytes();
     }
-    int cell_level() const noexcept override { return certain_ ? -1 : grid_.cell_log2; }
+    int cell_level() const noexcept override { return expectation_->certain() ? -1 : grid_.cell_log2; }
 
   private:
-    struct OfSlice {
-        std::unique_ptr<const AreaExpectation> expectation;  ///< Null where cells have to be looked at.
-        double width = 0;                                    ///< That all patterns' means span.
-    };
-    std::shared_ptr<const OfSlice> of_slice(std::int64_t slice) const {
-        return slices_.get(slice, [&](std::int64_t at) {
-            auto made = std::make_shared<OfSlice>();
-            const auto in_set = static_cast<std::int32_t>(at);
-            made->expectation = make_area_expectation(*program_, means_, in_set);
-            ColourRange range;
-            range.add(Colour{});
-            for (std::int32_t pattern = 0; pattern < mips_->count(); ++pattern)
-                range.add(means_.of(pattern, 0, 0, in_set));
-            made->width = range.width();
-            return made;
-        });
-    }
-
     bool by_expectation(int up, Accuracy accuracy) const noexcept {
-        return certain_ || (known_ && up > enumerated_levels(accuracy));
+        return expectation_->certain() || (expectation_->known() && up > enumerated_levels(accuracy));
     }
 
     /// One colour, coded once.
@@ -130,26 +112,33 @@ class DrawnCells final : public PatternTexture {
     /// Which pattern each cell of a rectangle shows, a row of cells at a time.
     class Patterns {
       public:
-        Patterns(const DrawnCells& of, std::int64_t z, std::int64_t x, std::int64_t y, std::int32_t width,
-                 std::int32_t height)
-            : of_{of}, z_{z}, x_{x}, width_{width}, patterns_(std::size_t(width)) {
+        Patterns(const DrawnCells& of, std::int64_t step, std::int64_t z, std::int64_t x, std::int64_t y,
+                 std::int32_t width, std::int32_t height)
+            : of_{of}, step_{step}, z_{z}, x_{x}, width_{width}, patterns_(std::size_t(width)) {
             if (of.program_->needs_types()) types_ = of.grid_.quadtree->types_of(0, x, y, width, height, z);
         }
         const std::int32_t* row(std::int64_t y) {
             constexpr std::int32_t at_once = 4096;
             for (std::int32_t from = 0; from < width_; from += at_once) {
-                CellRow row{.x = x_ + from, .y = y, .count = std::min(at_once, width_ - from), .z = z_};
+                CellRow row{.x = x_ + from,
+                            .y = y,
+                            .count = std::min(at_once, width_ - from),
+                            .z = z_,
+                            .step = step_,
+                            .validity = &validity_};
                 if (!types_.types.empty()) row.types = types_.row(y) + (x_ - types_.x) + from;
                 of_.program_->patterns(row, patterns_.data() + from);
             }
             return patterns_.data();
         }
+        const Validity& validity() const noexcept { return validity_; }
 
       private:
         const DrawnCells& of_;
-        std::int64_t z_, x_;
+        std::int64_t step_, z_, x_;
         std::int32_t width_;
         TypeGrid types_;
+        Validity validity_;
         std::vector<std::int32_t> patterns_;
     };
 
@@ -162,7 +151,7 @@ class DrawnCells final : public PatternTexture {
         const auto height = static_cast<std::int32_t>(((region.y + region.height - 1) >> side_log2) - y + 1);
         const auto& all = images_of(region.level, out);
         const std::int32_t first = mips_->first_image(static_cast<std::int32_t>(at.slice));
-        Patterns patterns{*this, at.z, x, y, width, height};
+        Patterns patterns{*this, region.step, at.z, x, y, width, height};
         CellRowCopy rows{.images = all.row(first << side_log2),
                          .side_log2 = side_log2,
                          .skip = static_cast<std::int32_t>(region.x - (x << side_log2)),
@@ -180,7 +169,8 @@ class DrawnCells final : public PatternTexture {
         }
         return Evaluation{.method = "patterns",
                           .bound_codes = rounding_codes,
-                          .work = std::uint64_t(width) * std::uint64_t(height)};
+                          .work = std::uint64_t(width) * std::uint64_t(height),
+                          .validity = patterns.validity()};
     }
     const LinearImage& images_of(int level, const LinearImage&) const { return mips_->linear(level); }
     const Rgba8Image& images_of(int level, const Rgba8Image&) const { return mips_->codes(level); }
@@ -193,9 +183,11 @@ class DrawnCells final : public PatternTexture {
         const std::int64_t n = std::int64_t{1} << up;
         const double unit = mips_->sum_unit() * static_cast<double>(n) * static_cast<double>(n);
         std::vector<std::array<std::int64_t, 4>> sums(std::size_t(region.width));
+        Validity validity;
         for (std::int32_t row = 0; row < region.height; ++row) {
             const std::int64_t y = (region.y + row) * n;
             Patterns patterns{*this,
+                              region.step,
                               at.z,
                               region.x * n,
                               y,
@@ -211,6 +203,7 @@ class DrawnCells final : public PatternTexture {
                         for (std::size_t channel = 0; channel < 4; ++channel) sum[channel] += of[channel];
                     }
             }
+            validity.meet(patterns.validity());
             float* texel = out.row(row);
             for (const auto& sum : sums)
                 for (const std::int64_t channel : sum)
@@ -219,14 +212,18 @@ class DrawnCells final : public PatternTexture {
         return Evaluation{
             .method = "cells",
             .bound_codes = rounding_codes,
-            .work = std::uint64_t(region.width) * std::uint64_t(region.height) * std::uint64_t(n * n)};
+            .work = std::uint64_t(region.width) * std::uint64_t(region.height) * std::uint64_t(n * n),
+            .validity = validity};
     }
 
-    std::int32_t pattern_at(std::int64_t x, std::int64_t y, std::int64_t z) const {
+    std::int32_t pattern_at(std::int64_t x, std::int64_t y, std::int64_t z, std::int64_t step,
+                            Validity& validity) const {
         std::uint16_t type = 0;
         if (program_->needs_types()) type = grid_.quadtree->types_of(0, x, y, 1, 1, z).at(x, y);
         std::int32_t pattern = -1;
-        program_->patterns({.x = x, .y = y, .count = 1, .z = z, .types = &type}, &pattern);
+        program_->patterns(
+            {.x = x, .y = y, .count = 1, .z = z, .step = step, .types = &type, .validity = &validity},
+            &pattern);
         return pattern;
     }
 
@@ -239,6 +236,7 @@ class DrawnCells final : public PatternTexture {
         const std::int64_t strata = std::int64_t{1} << strata_log2, mask = (std::int64_t{1} << free_log2) - 1;
         const double unit = mips_->sum_unit() * static_cast<double>(strata * strata);
         const std::uint64_t key = stream("cells of a texel", region.level);
+        Validity validity;
         for (std::int32_t y = 0; y < region.height; ++y) {
             if (auto spent = check_budget(budget); !spent) return spent.error();
             float* texel = out.row(y);
@@ -252,29 +250,29 @@ class DrawnCells final : public PatternTexture {
                         column * (mask + 1) + (static_cast<std::int64_t>(bits) & mask);
                     const std::int64_t cell_y =
                         row * (mask + 1) + (static_cast<std::int64_t>(bits >> 32) & mask);
-                    const auto& of = mips_->sum(first + pattern_at(cell_x, cell_y, at.z));
+                    const auto& of =
+                        mips_->sum(first + pattern_at(cell_x, cell_y, at.z, region.step, validity));
                     for (std::size_t channel = 0; channel < 4; ++channel) sum[channel] += of[channel];
                 }
                 for (const std::int64_t channel : sum)
                     *texel++ = static_cast<float>(static_cast<double>(channel) / unit);
             }
         }
-        const double width = of_slice(at.slice)->width;
-        const double codes = chance_codes(width, static_cast<double>(strata * strata));
+        const double codes = chance_codes(width_, static_cast<double>(strata * strata));
         return Evaluation{.method = "sampled",
-                          .bound_codes = std::min(codes, 255 * width) + rounding_codes,
-                          .confidence = codes < 255 * width ? stated_confidence : 1,
+                          .bound_codes = std::min(codes, 255 * width_) + rounding_codes,
+                          .confidence = codes < 255 * width_ ? stated_confidence : 1,
                           .work = std::uint64_t(region.width) * std::uint64_t(region.height) *
-                                  std::uint64_t(strata * strata)};
+                                  std::uint64_t(strata * strata),
+                          .validity = validity};
     }
 
     Grid grid_;
     std::shared_ptr<const CellProgram> program_;
     std::shared_ptr<const PatternMips> mips_;
     LookMeans means_;
-    SliceCache<OfSlice> slices_;
-    bool known_ = false;    ///< The cells' expectation can be listed.
-    bool certain_ = false;  ///< Nothing is left to chance: the expectation is what is shown.
+    double width_ = 0;  ///< That all patterns' means span, of all slices.
+    std::optional<EpochExpectation> expectation_;
 };
 
 }  // namespace

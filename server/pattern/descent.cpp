@@ -118,6 +118,7 @@ Result<Evaluation> evaluate_descending(const Composite& composite, const TexelRe
                         composite.compose(below(hull, bx, by, probe_side, depth), budget, fine, fine_bounds);
                     if (!probe) return probe;
                     sum.work += probe->work;
+                    sum.validity.meet(probe->validity);
                     reduce(fine_bounds.data(), probe_side, probe_side, depth, 1, block_bounds);
                     if (*std::max_element(block_bounds.begin(), block_bounds.end()) > worthwhile * corner)
                         continue;
@@ -128,6 +129,7 @@ Result<Evaluation> evaluate_descending(const Composite& composite, const TexelRe
                         composite.compose(below(hull, bx, by, block_side, d), budget, fine, fine_bounds);
                     if (!one) return one;
                     sum.work += one->work;
+                    sum.validity.meet(one->validity);
                     reduce(fine_bounds.data(), block_side, block_side, d, 1, block_bounds);
                     const float reached = *std::max_element(block_bounds.begin(), block_bounds.end());
                     if (reached >= worst) continue;

@@ -1,13 +1,13 @@
 #include "server/pattern/drawn_instances.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 #include <vector>
 
-#include "server/pattern/area_expectation.h"
 #include "server/pattern/cell_looks.h"
 #include "server/pattern/cell_slice.h"
-#include "server/pattern/slice_cache.h"
+#include "server/pattern/epoch_expectation.h"
 #include "shared/math/hash.h"
 
 namespace tessera {
@@ -34,9 +34,7 @@ class DrawnInstances final : public PatternTexture {
         range.add(Colour{});
         for (const auto& mean : means_.means) range.add(mean);
         width_ = range.width();
-        const auto first = expectation(0);
-        known_ = first->is != nullptr;
-        certain_ = known_ && first->is->bound(1).codes == 0;
+        expectation_.emplace(plan_.program, means_, width_);
     }
 
     using Texture::evaluate;
@@ -49,13 +47,14 @@ class DrawnInstances final : public PatternTexture {
         const CellSlice at = cell_slice(plan_.grid, region.slice, plan_.patterns->slices);
         const int up = region.level - plan_.grid.cell_log2;
         if (up <= 0) return draw(region, at, budget, out);
-        if (certain_ || (known_ && up > summed_levels(budget.accuracy)))
-            return expectation(at.slice)->is->evaluate(region, up, budget, out);
-        if (known_ || up <= sampled_levels(budget.accuracy)) return sum_cells(region, at, up, budget, out);
+        if (expectation_->certain() || (expectation_->known() && up > summed_levels(budget.accuracy)))
+            return expectation_->evaluate(region, at.slice, up, budget, out);
+        if (expectation_->known() || up <= sampled_levels(budget.accuracy))
+            return sum_cells(region, at, up, budget, out);
         return sample_cells(region, at, up, budget, out);
     }
     std::string_view kind() const noexcept override { return "pattern"; }
-    int cell_level() const noexcept override { return certain_ ? -1 : plan_.grid.cell_log2; }
+    int cell_level() const noexcept override { return expectation_->certain() ? -1 : plan_.grid.cell_log2; }
     std::string description() const override {
         return std::to_string(plan_.patterns->count) + " patterns in " +
                std::to_string(plan_.transform->turns.size()) + " turns and " +
@@ -63,25 +62,11 @@ class DrawnInstances final : public PatternTexture {
                std::to_string(std::int64_t{1} << plan_.grid.cell_log2) + " texels, drawn one by one";
     }
     std::size_t memory_bytes() const noexcept override {
-        const std::size_t of_a_slice = known_ ? expectation(0)->is->memory_bytes() : 0;
         return sizeof *this + images_->memory_bytes() + means_.memory_bytes() +
-               plan_.program->memory_bytes() +
-               of_a_slice *
-                   std::min(SliceCache<Expectation>::most_kept, static_cast<std::size_t>(means_.slices));
+               plan_.program->memory_bytes() + expectation_->memory_bytes();
     }
 
   private:
-    struct Expectation {
-        std::unique_ptr<const AreaExpectation> is;  ///< Null where cells have to be looked at.
-    };
-    std::shared_ptr<const Expectation> expectation(std::int64_t slice) const {
-        return slices_.get(slice, [&](std::int64_t at) {
-            auto made = std::make_shared<Expectation>();
-            made->is = make_area_expectation(*plan_.program, means_, static_cast<std::int32_t>(at));
-            return made;
-        });
-    }
-
     /// Up to the level of a cell: each texel lies in one cell, which holds all of its instance.
     Result<Evaluation> draw(const TexelRegion& region, const CellSlice& at, const Budget& budget,
                             LinearImage& out) const {
@@ -89,7 +74,7 @@ class DrawnInstances final : public PatternTexture {
         const std::int64_t x = region.x >> side_log2, y = region.y >> side_log2;
         const auto width = static_cast<std::int32_t>(((region.x + region.width - 1) >> side_log2) - x + 1);
         const auto height = static_cast<std::int32_t>(((region.y + region.height - 1) >> side_log2) - y + 1);
-        CellLooks looks{plan_, at.z, x, y, width, height};
+        CellLooks looks{plan_, region.step, at.z, x, y, width, height};
         for (std::int64_t cell_y = y; cell_y < y + height; ++cell_y) {
             if (auto spent = check_budget(budget); !spent) return spent.error();
             const Look* look = looks.row(cell_y);
@@ -99,7 +84,8 @@ class DrawnInstances final : public PatternTexture {
         }
         return Evaluation{.method = "instances",
                           .bound_codes = rounding_codes,
-                          .work = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height)};
+                          .work = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height),
+                          .validity = looks.validity()};
     }
 
     void draw_instance(const SummedArea& image, const Look& look, std::int64_t cell_x, std::int64_t cell_y,
@@ -117,11 +103,13 @@ class DrawnInstances final : public PatternTexture {
     Result<Evaluation> sum_cells(const TexelRegion& region, const CellSlice& at, int up, const Budget& budget,
                                  LinearImage& out) const {
         const std::int64_t n = std::int64_t{1} << up;
+        Validity validity;
         std::vector<Colour> sums(static_cast<std::size_t>(region.width));
         for (std::int32_t row = 0; row < region.height; ++row) {
             std::fill(sums.begin(), sums.end(), Colour{});
             const std::int64_t y = (region.y + row) * n;
             CellLooks looks{plan_,
+                            region.step,
                             at.z,
                             region.x * n,
                             y,
@@ -133,9 +121,11 @@ class DrawnInstances final : public PatternTexture {
                 for (Colour& sum : sums)
                     for (std::int64_t i = 0; i < n; ++i) add(*look++, at.slice, sum);
             }
+            validity.meet(looks.validity());
             write(sums, n * n, out.row(row));
         }
-        return Evaluation{.method = "cells", .bound_codes = rounding_codes, .work = cells(region, n)};
+        return Evaluation{
+            .method = "cells", .bound_codes = rounding_codes, .work = cells(region, n), .validity = validity};
     }
 
     /// Larger texels of cells of which nothing is known: one cell of each of many parts, picked by a hash.
@@ -144,6 +134,7 @@ class DrawnInstances final : public PatternTexture {
         const int parts_log2 = sampled_levels(budget.accuracy);
         const std::int64_t n = std::int64_t{1} << parts_log2, part = std::int64_t{1} << (up - parts_log2);
         const std::uint64_t key = stream("cells of a texel", region.level);
+        Validity validity;
         std::vector<Colour> sums(static_cast<std::size_t>(region.width));
         for (std::int32_t row = 0; row < region.height; ++row) {
             if (auto spent = check_budget(budget); !spent) return spent.error();
@@ -157,8 +148,9 @@ class DrawnInstances final : public PatternTexture {
                         part_x * part + (static_cast<std::int64_t>(bits) & (part - 1));
                     const std::int64_t cell_y =
                         part_y * part + (static_cast<std::int64_t>(bits >> 32) & (part - 1));
-                    CellLooks looks{plan_, at.z, cell_x, cell_y, 1, 1};
+                    CellLooks looks{plan_, region.step, at.z, cell_x, cell_y, 1, 1};
                     add(*looks.row(cell_y), at.slice, sums[x]);
+                    validity.meet(looks.validity());
                 }
             write(sums, n * n, out.row(row));
         }
@@ -166,7 +158,8 @@ class DrawnInstances final : public PatternTexture {
         return Evaluation{.method = "sampled",
                           .bound_codes = std::min(codes, 255 * width_) + rounding_codes,
                           .confidence = codes < 255 * width_ ? stated_confidence : 1,
-                          .work = cells(region, n)};
+                          .work = cells(region, n),
+                          .validity = validity};
     }
 
     static std::uint64_t cells(const TexelRegion& region, std::int64_t n) noexcept {
@@ -187,9 +180,7 @@ class DrawnInstances final : public PatternTexture {
     std::shared_ptr<const InstanceImages> images_;
     LookMeans means_;
     double width_ = 0;  ///< That the means of all looks span.
-    SliceCache<Expectation> slices_;
-    bool known_ = false;    ///< The cells' expectation can be listed.
-    bool certain_ = false;  ///< It is what they show: nothing is drawn by chance.
+    std::optional<EpochExpectation> expectation_;
 };
 
 }  // namespace

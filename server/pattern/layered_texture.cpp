@@ -57,6 +57,7 @@ class LayeredTexture final : public Texture, public Composite {
             evaluation.work += part.work;
             evaluation.bound_codes += part.bound_codes;
             doubt += 1 - part.confidence;
+            evaluation.validity.meet(part.validity);
         }
         Evaluation total() const noexcept {
             Evaluation all = evaluation;

@@ -110,7 +110,7 @@ class OverflowTexture final : public PatternTexture, public Composite {
         const auto width = static_cast<std::int32_t>(((region.x + region.width - 1) >> side_log2) - x + 1);
         const auto height = static_cast<std::int32_t>(((region.y + region.height - 1) >> side_log2) - y + 1);
         const CellSlice at = cell_slice(plan_.grid, region.slice, plan_.patterns->slices);
-        CellLooks looks{plan_, at.z, x, y, width, height};
+        CellLooks looks{plan_, region.step, at.z, x, y, width, height};
         const MeansOver over{range_, range_, region.level == 0};
         std::vector<float> texels;
         for (std::int64_t cell_y = y; cell_y < y + height; ++cell_y) {
@@ -127,7 +127,8 @@ class OverflowTexture final : public PatternTexture, public Composite {
         }
         return Evaluation{.method = "instances",
                           .bound_codes = rounding_codes,
-                          .work = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height)};
+                          .work = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height),
+                          .validity = looks.validity()};
     }
 
     void add_instance(const SummedArea& image, const Look& look, std::int64_t cell_x, std::int64_t cell_y,
@@ -197,7 +198,7 @@ class OverflowTexture final : public PatternTexture, public Composite {
         }
         const auto cells = static_cast<std::int32_t>(texels / side);
         const LookMeans means = images_->means(plan_.grid.cell_log2);
-        CellLooks looks{plan_, 0, 0, 0, cells, cells};
+        CellLooks looks{plan_, 0, 0, 0, 0, cells, cells};
         for (std::int32_t y = 0; y < cells; ++y) {
             const Look* look = looks.row(y);
             for (std::int32_t x = 0; x < cells; ++x, ++look) {

@@ -70,6 +70,7 @@ class PixelMapTexture final : public Texture, public Composite {
             sum.work += one->work;
             sum.bound_codes = std::max(sum.bound_codes, one->bound_codes);
             doubt += 1 - one->confidence;
+            sum.validity.meet(one->validity);
         }
         for (std::size_t i = 0; i < means.size(); ++i) {
             KnownMeans& mean = means[i];

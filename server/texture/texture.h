@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "shared/motion/validity.h"
 #include "shared/page/accuracy.h"
 #include "shared/page/page_key.h"
 #include "shared/page/texel_image.h"
@@ -29,6 +30,7 @@ struct Evaluation {
     double confidence = 1;  ///< 1: the bound is certain; less: it holds with this probability for each texel.
     std::uint64_t work =
         0;  ///< Stamps, table rows or cells summed: a measure of cost that no clock disturbs.
+    Validity validity{};  ///< Every step in it gives these bits; at its end a cell shows another frame.
 };
 
 /// A compiled texture: answers any rectangle of any level of the infinite lattice, exactly filtered where its

@@ -30,7 +30,7 @@ std::int64_t position_at(const TimeLine& line, const Cycle& cycle, Step step) no
 /// What a cell shows, and how long it does.
 struct Shown {
     std::int32_t frame = 0;
-    Validity validity;
+    Validity validity{};
 };
 Shown shown_at(const TimeLine& line, const Cycle& cycle, Step step) noexcept;
 

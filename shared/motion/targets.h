@@ -65,7 +65,7 @@ class TargetDistance {
     /// distance to a place falls and then rises along a straight line.
     struct Answer {
         std::int32_t frame = 0;
-        Validity validity;
+        Validity validity{};
     };
     Answer shown_at(MotionPoint cell, Step step) const noexcept;
 

@@ -13,6 +13,8 @@ inline constexpr std::uint8_t max_level = 30;  ///< Extents reach 256·2^30 = 2^
 
 inline constexpr std::int64_t max_slice = std::int64_t{1} << 40;  ///< Slices lie within ±max_slice.
 
+inline constexpr std::int64_t max_step = std::int64_t{1} << 62;  ///< Requests name steps within ±max_step.
+
 /// Where a page is in the virtual texture: a MIP level, and a cell of that level's grid of pages.
 /// MIP level 0 is the finest. `x` counts pages rightwards and `y` downwards from the top-left corner.
 /// A page above level 0 covers exactly four pages of the level below it.
@@ -56,6 +58,7 @@ struct TexelRegion {
     std::int32_t height = 0;
     std::int64_t slice =
         0;  ///< Of a texture with a third dimension, in texels of level 0: levels filter x and y only.
+    std::int64_t step = 0;  ///< Of the animation clock.
     bool operator==(const TexelRegion&) const = default;
 };
 

@@ -2,11 +2,13 @@
 // stepping finds. A failure prints the case that brings it back.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "shared/motion/evenness.h"
 #include "shared/motion/targets.h"
 #include "shared/motion/transitions.h"
 
@@ -201,6 +203,45 @@ TEST(Changes, TakeEffectNoLaterThanTheySay) {
                 << "case " << seed << ", step " << step;
         ASSERT_EQ(frame_at(line, from, to, at, at), line.frame_at(position_at(line, from, at)));
     }
+}
+
+TEST(Evenness, IsNeverLessThanWhatAStepShows) {
+    double least = 1, most = 0;
+    for (std::uint64_t seed = 0; seed < 2'000; ++seed) {
+        Random random{seed};
+        const TimeLine line = random_line(random);
+        const std::int64_t rest = below(random, 40);
+        std::vector<WeightedPhase> phases(static_cast<std::size_t>(1 + below(random, 120)));
+        const bool consecutive = below(random, 2) == 0;
+        const std::int64_t first = below(random, 1000) - 500;
+        for (std::size_t i = 0; i < phases.size(); ++i)
+            phases[i] = {first + (consecutive ? static_cast<std::int64_t>(i) : below(random, 500)),
+                         1.0 / static_cast<double>(phases.size())};
+        const double stated = uneven_frames(line, rest, phases);
+        const std::int64_t cycle = rest + line.lead() + line.run();
+        for (Step step = 0; step < cycle; ++step) {
+            std::vector<double> shares(static_cast<std::size_t>(line.frames()));
+            for (const WeightedPhase& phase : phases)
+                shares[static_cast<std::size_t>(
+                    line.frame_at(position_at(line, {phase.phase, rest}, step)))] += phase.weight;
+            double elsewhere = 0;
+            for (std::int32_t frame = 0; frame < line.frames(); ++frame) {
+                const std::int64_t shown =
+                    line.end_of(frame) - line.begin_of(frame) + (frame == 0 ? rest + line.lead() : 0);
+                elsewhere += std::abs(shares[static_cast<std::size_t>(frame)] -
+                                      static_cast<double>(shown) / static_cast<double>(cycle)) /
+                             2;
+            }
+            ASSERT_LE(elsewhere, stated + 1e-9) << "case " << seed << ", step " << step;
+        }
+        if (consecutive && phases.size() % static_cast<std::size_t>(cycle) == 0) {
+            EXPECT_LT(stated, 1e-9);
+        }
+        least = std::min(least, stated);
+        most = std::max(most, stated);
+    }
+    EXPECT_LT(least, 0.01);
+    EXPECT_GT(most, 0.5);
 }
 
 TEST(Targets, ChangeWhereSteppingFinds) {

@@ -64,7 +64,8 @@ TEST(Plan, GivesEachBlockTheCoarsestRate) {
       {"name": "still", "probability_map": {"index": {"integer": 1}, "material": {"entries": [{"pattern": 5}, {"pattern": 6}]}}},
       {"name": "frames", "animation_sequence": {"frames": [{"pattern": 0}, {"pattern": 1}]}},
       {"name": "blink", "animation_map": {"sequence": "frames"}},
-      {"name": "twinkle", "animation_map": {"sequence": "frames", "phase": {"block": "index"}}},
+      {"name": "phase", "virtual_indirection_map": {"grid": "grid", "count": 2}},
+      {"name": "twinkle", "animation_map": {"sequence": "frames", "phase": {"block": "phase"}}},
       {"name": "a", "reference_texture": {"patterns": "set", "grid": "grid", "index": {"block": "still"}}},
       {"name": "b", "reference_texture": {"patterns": "set", "grid": "grid", "index": {"block": "blink"}}},
       {"name": "c", "reference_texture": {"patterns": "set", "grid": "grid", "index": {"block": "twinkle"}}},
@@ -78,6 +79,7 @@ TEST(Plan, GivesEachBlockTheCoarsestRate) {
     EXPECT_EQ(line_of(*plan, "twinkle").rate, Rate::cell);
     EXPECT_EQ(line_of(*plan, "index").rate, Rate::cell);
     EXPECT_EQ(line_of(*plan, "index").note, "typed, 4096 types, draws 16");
+    EXPECT_EQ(line_of(*plan, "phase").note, "independent, draws 2");  // What moves is drawn cell by cell
     EXPECT_EQ(line_of(*plan, "all").rate, Rate::texel);
     EXPECT_THAT(line_of(*plan, "grid").note, HasSubstr("4096 types"));
     ASSERT_EQ(plan->textures.size(), 5u);

@@ -1,0 +1,107 @@
+#include "server/blocks/animation_op.h"
+
+#include <algorithm>
+#include <array>
+
+namespace tessera {
+
+namespace {
+
+__extension__ using Wide = __int128;
+
+constexpr std::size_t max_settings = 65;
+
+/// Whether nothing can narrow it any more.
+bool is_one_step(const Validity& validity) noexcept { return validity.until - 1 == validity.from; }
+
+}  // namespace
+
+Cycle AnimationOp::cycle_of(const AnimationSetting& setting, const std::int32_t* const* in,
+                            std::int32_t i) const noexcept {
+    const auto& [phase, rest, density] = setting;
+    Cycle cycle{phase.constant, rest.constant};
+    if (phase.input >= 0) cycle.phase = in[phase.input][i] >> phase.number_log2;
+    if (rest.input < 0) return cycle;
+    const std::int32_t value = in[rest.input][i];
+    if (value < 0 || (value > 0 && density >= endless_density))
+        cycle.rest = endless_rest;
+    else
+        cycle.rest = static_cast<std::int64_t>(std::min<Wide>(
+            Wide{value} * static_cast<std::int64_t>(density) >> (16 + rest.number_log2), endless_rest));
+    return cycle;
+}
+
+AnimationOp::Settled AnimationOp::settled_at(Step step) const noexcept {
+    const std::size_t change = change_at(changes_, step);
+    Settled settled{static_cast<int>(change), {}};
+    if (change > 0)
+        settled.holds.from = add_steps(changes_[change - 1], steps_between_changes(frames_->line));
+    // At the very step of the next change cells still follow this setting
+    if (change < changes_.size()) settled.holds.until = changes_[change] + 1;
+    if (step < settled.holds.from) return {-1, {changes_[change - 1] + 1, settled.holds.from}};
+    return settled;
+}
+
+void AnimationOp::run(const Stretch& stretch, const std::int32_t* const* in, std::int32_t* out) const {
+    if (stretch.probe != nullptr) return answer(*stretch.probe, stretch, in, out);
+    const Settled settled = settled_at(stretch.step);
+    if (settled.setting < 0) return pass(stretch, in, out);
+    const AnimationSetting& setting = settings_[static_cast<std::size_t>(settled.setting)];
+    const TimeLine& line = frames_->line;
+    const std::int32_t* patterns = frames_->patterns.data();
+    std::int32_t i = 0;
+    if (stretch.validity != nullptr) {
+        Validity validity = *stretch.validity;
+        bool across = false;
+        for (; i < stretch.count && !is_one_step(validity); ++i) {
+            const Shown shown = shown_at(line, cycle_of(setting, in, i), stretch.step);
+            // What lasts until after a change is worked out below
+            across |= !changes_.empty() && (shown.validity.from <= settled.holds.from ||
+                                            shown.validity.until >= settled.holds.until);
+            validity.meet(shown.validity);
+            out[i] = patterns[shown.frame];
+        }
+        if (across && !is_one_step(validity)) return pass(stretch, in, out);
+        *stretch.validity = validity;
+    }
+    for (; i < stretch.count; ++i)
+        out[i] = patterns[line.frame_at(position_at(line, cycle_of(setting, in, i), stretch.step))];
+}
+
+/// Any step, of cells that know of all settings.
+void AnimationOp::pass(const Stretch& stretch, const std::int32_t* const* in, std::int32_t* out) const {
+    std::array<Cycle, max_settings> cycles;
+    const std::span<const Cycle> all{cycles.data(), settings_.size()};
+    for (std::int32_t i = 0; i < stretch.count; ++i) {
+        for (std::size_t setting = 0; setting < settings_.size(); ++setting)
+            cycles[setting] = cycle_of(settings_[setting], in, i);
+        if (stretch.validity != nullptr && !is_one_step(*stretch.validity)) {
+            const Shown shown = shown_at(frames_->line, all, changes_, stretch.step);
+            stretch.validity->meet(shown.validity);
+            out[i] = frames_->patterns[static_cast<std::size_t>(shown.frame)];
+        } else {
+            out[i] = frames_->patterns[static_cast<std::size_t>(
+                frame_at(frames_->line, all, changes_, stretch.step))];
+        }
+    }
+}
+
+void AnimationOp::answer(const AnimationProbe& probe, const Stretch& stretch, const std::int32_t* const* in,
+                         std::int32_t* out) const {
+    const TimeLine& line = frames_->line;
+    const auto shown = static_cast<double>(line.end_of(probe.frame) - line.begin_of(probe.frame));
+    for (std::int32_t i = 0; i < stretch.count; ++i) {
+        const Cycle cycle = cycle_of(settings_[probe.setting], in, i);
+        out[i] = frames_->patterns[static_cast<std::size_t>(probe.frame)];
+        if (probe.cycles != nullptr) probe.cycles[i] = cycle;
+        if (probe.shares == nullptr) continue;
+        const bool moves = cycle.rest < endless_rest;
+        const auto rest = static_cast<double>(cycle.rest + line.lead());
+        if (probe.frame == 0)
+            probe.shares[i] *= moves ? (rest + shown) / (rest + static_cast<double>(line.run())) : 1.0;
+        else
+            probe.shares[i] *= moves ? shown / (rest + static_cast<double>(line.run())) : 0.0;
+    }
+}
+
+}  // namespace tessera
