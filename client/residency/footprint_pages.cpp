@@ -57,9 +57,9 @@ class Blocks {
 
     /// The levels that the pixel with this middle reads.
     Range levels_at(double x, double y) const {
-        const GroundPoint a = ground(x - 0.5, y - 0.5, y), b = ground(x + 0.5, y - 0.5, y),
-                          c = ground(x + 0.5, y + 0.5, y), d = ground(x - 0.5, y + 0.5, y);
         if (sampling_.kind == Sampling::Kind::line_integral) {
+            const GroundPoint a = ground(x - 0.5, y - 0.5, y), b = ground(x + 0.5, y - 0.5, y),
+                              c = ground(x + 0.5, y + 0.5, y), d = ground(x - 0.5, y + 0.5, y);
             const auto [left, right] = std::minmax({a.x, b.x, c.x, d.x});
             const auto [top, bottom] = std::minmax({a.y, b.y, c.y, d.y});
             // Grown to a texel, as in line_integral.glsl
@@ -67,28 +67,45 @@ class Blocks {
             const double level =
                 line_integral_level(std::min(width, height), std::max(width, height), sampling_.columns) +
                 lod_bias_;
-            return {std::ceil(level - margin), std::ceil(level + margin)};
+            return {std::ceil(level - 0.1), std::ceil(level + 0.05)};
         }
-        const double along_row = std::hypot(b.x - a.x + c.x - d.x, b.y - a.y + c.y - d.y) / 2;
-        const double along_column = std::hypot(d.x - a.x + c.x - b.x, d.y - a.y + c.y - b.y) / 2;
+        // PlaneView::level_at tells where these come from
+        const double fall =
+            -(view_.forward().z + (1 - 2 * y / view_.height()) * view_.tangent_y() * view_.up().z);
+        const double slope = (2 * x / view_.width() - 1) * view_.tangent_x() * view_.up().z;
+        const double along_row = view_.camera().height_texels * view_.pixel_step() / fall;
+        const double along_column = along_row * std::sqrt(1 + slope * slope) / fall;
         const double longer = std::max(along_row, along_column), shorter = std::min(along_row, along_column);
-        // Probes are whole, so the level jumps as their count does
-        const double ratio = longer / shorter;
-        const double finest =
-            ratio < most_anisotropy ? longer / std::ceil(ratio + margin) : longer / most_anisotropy;
+        // Probes are whole, so the level jumps as their count does: within a block, all that it may be
+        const double finest = longer / std::min(longer / shorter + 1, most_anisotropy);
         const double coarsest = std::max(longer / most_anisotropy, shorter);
+        constexpr double margin = 0.01;  // the shader's floats
         return {std::floor(std::log2(finest) + lod_bias_ - margin),
                 std::floor(std::log2(coarsest) + lod_bias_ + margin) + 1};
     }
 
+    /// How a pixel's point moves as the pixel moves down by one.
+    GroundPoint column_side(double x, double y) const {
+        const GroundPoint above = ground(x, y - 0.5, y), below = ground(x, y + 0.5, y);
+        return {below.x - above.x, below.y - above.y};
+    }
+
     void visit(int left, int top, int right, int bottom) {
         Range levels{1e9, -1e9};
+        const auto look = [&](double x, double y) {
+            const Range here = levels_at(x, y);
+            levels.low = std::min(levels.low, here.low);
+            levels.high = std::max(levels.high, here.high);
+        };
+        const double first = left + 0.5, last = right - 0.5;
         for (const double y : {top + 0.5, (top + bottom) / 2.0, bottom - 0.5}) {
-            for (const double x : {left + 0.5, (left + right) / 2.0, right - 0.5}) {
-                const Range here = levels_at(x, y);
-                levels.low = std::min(levels.low, here.low);
-                levels.high = std::max(levels.high, here.high);
-            }
+            for (const double x : {first, (left + right) / 2.0, last}) look(x, y);
+            // Boxes are narrowest where footprints lie along an axis
+            const GroundPoint at_first = column_side(first, y), at_last = column_side(last, y);
+            if (at_first.x * at_last.x < 0)
+                look(first + (last - first) * at_first.x / (at_first.x - at_last.x), y);
+            if (at_first.y * at_last.y < 0)
+                look(first + (last - first) * at_first.y / (at_first.y - at_last.y), y);
         }
         const Quadrilateral corners{ground(left, top, top + 0.5), ground(right, top, top + 0.5),
                                     ground(right, bottom, bottom - 0.5), ground(left, bottom, bottom - 0.5)};
@@ -154,9 +171,6 @@ class Blocks {
         }
         return false;
     }
-
-    static constexpr double margin =
-        0.01;  ///< Of a level: floats of the shader, and between a block's corners
 
     const PlaneView& view_;
     Extent extent_;

@@ -9,7 +9,7 @@ constexpr const char* after_help = R"(In the window:
   drag           moves the plane          right drag     turns the head
   middle drag    orbits the centre        wheel          zooms to the cursor
   W A S D        fly (Shift: faster)      Q E            down, up
-  H              all keys
+  F, 1 to 7      next filter, this one    H              all keys
 
 Examples:
   tessera-view http://127.0.0.1:7070 pebbles

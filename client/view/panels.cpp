@@ -86,7 +86,7 @@ void page_rows(const PanelContents& contents) {
     row("sharp", text("%.0f %% of the plane", 100 * frame.resident_share), frame.is_sharp() ? good : waiting);
     row("missing", text("%zu of %zu pages, %.2f levels", frame.missing, frame.needed, frame.mip_deficit));
     row("cache", text("%zu of %zu, %.0f MB", residency.cache().size(), residency.cache().capacity(),
-                      static_cast<double>(contents.plane.pages().bytes()) / 1e6));
+                      static_cast<double>(contents.plane.gpu_bytes()) / 1e6));
     row("evicted", grouped(static_cast<std::int64_t>(residency.cache().evictions())));
     row("in flight",
         text("%zu of %zu", residency.requests().in_flight(), residency.settings().requests.in_flight));
@@ -97,6 +97,25 @@ void page_rows(const PanelContents& contents) {
     row("received", text("%.1f MB", static_cast<double>(contents.bytes_received) / 1e6));
     if (frame.lod_bias > 0) row("blurred", text("by %.2f levels: small cache", frame.lod_bias), waiting);
     ImGui::EndTable();
+}
+
+void filter_rows(ViewerSwitches& switches) {
+    FilterChoice& choice = switches.filter;
+    ImGui::SetNextItemWidth(-1);
+    if (ImGui::BeginCombo("##filter", title_of(choice.filter))) {
+        for (const Filter filter : filters) {
+            if (filter == Filter::driver_anisotropic && !has_driver_anisotropy()) continue;
+            if (ImGui::Selectable(title_of(filter), filter == choice.filter)) choice.filter = filter;
+        }
+        ImGui::EndCombo();
+    }
+    ImGui::SetNextItemWidth(-1);
+    if (choice.filter == Filter::line_integral)
+        ImGui::SliderInt("##columns", &choice.columns, 2, 24, "at most %d lines across a pixel",
+                         ImGuiSliderFlags_AlwaysClamp);
+    if (choice.filter == Filter::supersample)
+        ImGui::SliderInt("##subsamples", &choice.subsamples, 2, 8, "%d a side of each pixel",
+                         ImGuiSliderFlags_AlwaysClamp);
 }
 
 void info_panel(const PanelContents& contents, ViewerSwitches& switches) {
@@ -115,6 +134,8 @@ void info_panel(const PanelContents& contents, ViewerSwitches& switches) {
     camera_rows(contents);
     heading("Pages");
     page_rows(contents);
+    heading("Filter");
+    filter_rows(switches);
     heading("Frames");
     const double mean = contents.times.mean_milliseconds();
     ImGui::Text("%.0f per second, %.1f ms", mean > 0 ? 1000 / mean : 0, mean);
@@ -165,6 +186,7 @@ void help_overlay(float scale, ViewerSwitches& switches) {
         {"Q, E", "sink, rise"},
         {"T", "look straight down"},
         {"Home", "back to the beginning"},
+        {"F, 1 to 7", "next filter (Shift: last one); this one"},
         {"B", "page borders, coloured by level"},
         {"P", "screenshot; with Shift the panels too"},
         {"K", "print the camera as a key of a camera path"},

@@ -5,6 +5,36 @@
 
 namespace tessera {
 
+Filter filter_after(Filter filter, int steps, bool has_driver_anisotropy) {
+    constexpr auto count = static_cast<int>(filters.size());
+    auto at = static_cast<int>(std::ranges::find(filters, filter) - filters.begin());
+    do at = (at + steps % count + count) % count;
+    while (filters[static_cast<std::size_t>(at)] == Filter::driver_anisotropic && !has_driver_anisotropy);
+    return filters[static_cast<std::size_t>(at)];
+}
+
+const char* title_of(Filter filter) {
+    switch (filter) {
+        case Filter::nearest:
+            return "nearest texel";
+        case Filter::bilinear:
+            return "bilinear";
+        case Filter::trilinear:
+            return "trilinear";
+        case Filter::driver_anisotropic:
+            return "16x anisotropic, the driver's";
+        case Filter::anisotropic:
+            return "16x anisotropic, by the formula";
+        case Filter::line_integral:
+            return "line integral";
+        case Filter::supersample:
+            return "supersampling";
+        case Filter::stored:
+            break;
+    }
+    return "texels as stored";
+}
+
 std::optional<CursorReading> read_cursor(const PlaneView& view, const Residency& residency, double lod_bias,
                                          double x, double y) {
     const auto ground = view.ground_at(x, y);

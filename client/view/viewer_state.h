@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "client/render/filter.h"
 #include "client/residency/residency.h"
 #include "client/view/camera_control.h"
 
@@ -18,7 +19,14 @@ struct ViewerSwitches {
     bool haze = true;
     bool fade = true;
     bool vsync = true;
+    FilterChoice filter{};
 };
+
+/// The next filter (or the last, with `steps` −1) of those that this driver has.
+Filter filter_after(Filter filter, int steps, bool has_driver_anisotropy);
+
+/// "16x anisotropic, by the formula": for people.
+const char* title_of(Filter filter);
 
 /// The last frames' times.
 class FrameTimes {

@@ -69,7 +69,9 @@ class Viewer {
           scene_{scene},
           panels_{window},
           control_{start, info.extent},
-          input_{window, control_, start} {}
+          input_{window, control_, start} {
+        switches_.filter = options.filter;
+    }
 
     Result<void> run() {
         auto last = Clock::now();
@@ -106,11 +108,13 @@ class Viewer {
 
         const PlaneView view{control_.camera(), size.width, size.height};
         const auto now = std::chrono::duration_cast<ClientTime>(Clock::now() - begin_) + ClientTime{1};
-        const ResidencyFrame frame = scene_.update(view, now);
-        scene_.draw(*target_, view,
-                    {.fade_ms = switches_.fade ? 150.0F : 0.0F,
-                     .haze = switches_.haze,
-                     .page_borders = switches_.page_borders});
+        const ResidencyFrame frame = scene_.update(view, now, switches_.filter);
+        const auto drawn = scene_.draw(*target_, view,
+                                       {.filter = switches_.filter,
+                                        .fade_ms = switches_.fade ? 150.0F : 0.0F,
+                                        .haze = switches_.haze,
+                                        .page_borders = switches_.page_borders});
+        if (!drawn) give_up_filter(drawn.error());
         target_->blit_to_window();
         glBindFramebuffer(GL_FRAMEBUFFER, 0);
 
@@ -129,6 +133,14 @@ class Viewer {
         panels_.end();
         answer_requests(input_.take_requests());
         return frame.is_sharp();
+    }
+
+    /// A filter that the driver refuses is left for the one that always works.
+    void give_up_filter(const Error& error) {
+        if (switches_.filter.filter != Filter::trilinear)
+            std::fprintf(stderr, "tessera-view: %s: %s\n", title_of(switches_.filter.filter),
+                         error.detail.c_str());
+        switches_.filter.filter = Filter::trilinear;
     }
 
     void answer_requests(const WindowRequests& requests) {

@@ -87,6 +87,14 @@ void WindowInput::keys(ViewerSwitches& switches) {
     if (pressed(GLFW_KEY_H) || pressed(GLFW_KEY_F1)) switches.help = !switches.help;
     if (pressed(GLFW_KEY_TAB)) switches.panel = !switches.panel;
     if (pressed(GLFW_KEY_B)) switches.page_borders = !switches.page_borders;
+    if (pressed(GLFW_KEY_F)) {
+        const bool back = is_down(GLFW_KEY_LEFT_SHIFT) || is_down(GLFW_KEY_RIGHT_SHIFT);
+        switches.filter.filter = filter_after(switches.filter.filter, back ? -1 : 1, has_driver_anisotropy());
+    }
+    for (std::size_t i = 0; i < filters.size(); ++i)
+        if (pressed(GLFW_KEY_1 + static_cast<int>(i)) &&
+            (filters[i] != Filter::driver_anisotropic || has_driver_anisotropy()))
+            switches.filter.filter = filters[i];
     if (pressed(GLFW_KEY_T)) control_.look_straight_down();
     if (pressed(GLFW_KEY_HOME)) control_.set(home_);
     if (pressed(GLFW_KEY_K)) requests_.camera_key = true;

@@ -1,6 +1,7 @@
 #include "client/residency/needed_pages.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 #include <set>
@@ -71,6 +72,84 @@ TEST(NeededPages, AreAllThatAnyPixelSamplesAndHardlyMore) {
         sampled_count += sampled.size();
     }
     EXPECT_GE(static_cast<double>(sampled_count), 0.9 * static_cast<double>(needed_count));
+}
+
+/// The pages that the middles of footprints lie in, on the levels that are read, pixel by pixel, by the
+/// shaders' formulas.
+std::set<PageKey> footprint_pages(const PlaneView& view, Extent extent, const Sampling& sampling) {
+    std::set<PageKey> pages;
+    const PlanePoint& eye = view.camera().ground;
+    for (int y = 0; y < view.height(); y += 2) {
+        for (int x = 0; x < view.width(); x += 2) {
+            std::array<GroundPoint, 4> corners;
+            const auto middle = view.ground_at(x + 0.5, y + 0.5);
+            bool is_seen = middle.has_value();
+            for (std::size_t i = 0; i < 4; ++i) {
+                const auto at = view.ground_at(x + (i == 1 || i == 2), y + static_cast<double>(i / 2));
+                is_seen = is_seen && at && std::abs(at->x) < 1e14 && std::abs(at->y) < 1e14;
+                if (is_seen) corners[i] = *at;
+            }
+            if (!is_seen) continue;
+            const auto& [a, b, c, d] = corners;
+            const auto [left, right] = std::minmax({a.x, b.x, c.x, d.x});
+            const auto [top, bottom] = std::minmax({a.y, b.y, c.y, d.y});
+            double finest = 0, coarsest = 0;
+            if (sampling.kind == Sampling::Kind::line_integral) {
+                const double wide = std::max(right - left, 1.0), high = std::max(bottom - top, 1.0);
+                finest = coarsest = std::ceil(
+                    line_integral_level(std::min(wide, high), std::max(wide, high), sampling.columns));
+            } else {
+                const double longer = std::exp2(view.level_at(x + 0.5, y + 0.5));
+                const double shorter =
+                    std::min(longer, std::hypot(b.x + c.x - a.x - d.x, b.y + c.y - a.y - d.y) / 2);
+                const double probes = std::min(std::ceil(longer / shorter), most_anisotropy);
+                finest = std::floor(std::log2(longer / probes));
+                coarsest = finest + 1;
+            }
+            for (double l = std::clamp(finest, 0.0, static_cast<double>(extent.n));
+                 l <= std::clamp(coarsest, 0.0, static_cast<double>(extent.n)); ++l) {
+                const auto level = static_cast<std::uint8_t>(l);
+                const PlanePoint at = eye.moved(middle->x, middle->y);
+                if (at.x < 0 || at.y < 0 || at.x >= extent.side_texels() || at.y >= extent.side_texels())
+                    continue;
+                pages.insert({level, static_cast<std::uint32_t>(at.x >> (8 + level)),
+                              static_cast<std::uint32_t>(at.y >> (8 + level))});
+            }
+        }
+    }
+    return pages;
+}
+
+TEST(NeededPages, OfLongFootprintsAreAllThatAnyPixelReadsAndNotManyMore) {
+    std::mt19937_64 random{11};
+    for (const Sampling sampling :
+         {Sampling{Sampling::Kind::anisotropic, 1}, Sampling{Sampling::Kind::line_integral, 1, 6},
+          Sampling{Sampling::Kind::line_integral, 1, 2}}) {
+        std::size_t needed_count = 0, read_count = 0, missed = 0;
+        for (int i = 0; i < 12; ++i) {
+            const Extent extent{static_cast<std::uint8_t>(i % 3 == 0 ? 4 : i % 3 == 1 ? 30 : 12)};
+            const PlaneView view{random_camera(random, extent), 400, 350};
+            std::set<PageKey> needed;
+            for (const NeededPage& page : needed_pages(view, extent, 0, sampling)) {
+                EXPECT_TRUE(extent.contains(page.key));
+                EXPECT_TRUE(needed.insert(page.key).second) << "a page twice";
+            }
+            const std::set<PageKey> read = footprint_pages(view, extent, sampling);
+            for (const PageKey page : read) {
+                if (needed.contains(page)) continue;
+                ++missed;
+                ADD_FAILURE() << "camera " << i << " pitch " << view.camera().pitch_degrees << ": level "
+                              << int{page.level} << " of " << int{extent.n} << ", page " << page.x << ','
+                              << page.y << " eye " << (view.camera().ground.x >> (8 + page.level)) << ','
+                              << (view.camera().ground.y >> (8 + page.level));
+            }
+            needed_count += needed.size();
+            read_count += read.size();
+        }
+        std::cout << read_count << " pages read, " << needed_count << " asked for, " << missed << " missed\n";
+        EXPECT_EQ(missed, 0u);
+        EXPECT_GE(static_cast<double>(read_count), 0.6 * static_cast<double>(needed_count));
+    }
 }
 
 TEST(NeededPages, CoverThePictureOnceForEachOfTheTwoLevels) {
