@@ -11,8 +11,8 @@ namespace {
 
 /// Levels from a texel to the texels that its covered part is made of.
 constexpr int descent = 5;
-/// A footprint of more texels than that begins with coarser ones.
-constexpr double most_area = 8192;
+/// A footprint of more texels than that, and that many times its outline, begins with coarser ones.
+constexpr double most_area = 8192, most_of_outline = 16;
 /// Thinner than that, relative to its length, a footprint's area is lost in rounding.
 constexpr double thinnest = 0x1p-36;
 
@@ -47,77 +47,94 @@ void add_edge(double x, double to_x, double height, double* steps) noexcept {
 
 }  // namespace
 
+double ExactFilter::Edge::at(double y) const noexcept {
+    if (y == to.y) return to.x;
+    return std::clamp(from.x + (y - from.y) * slope, std::min(from.x, to.x), std::max(from.x, to.x));
+}
+
 void ExactFilter::add(const ConvexPolygon& polygon, const Frame& frame, std::size_t depth) {
-    double top = polygon.corners[0].y, bottom = top, left = polygon.corners[0].x, right = left;
-    for (int k = 1; k < polygon.count; ++k) {
-        top = std::min(top, polygon.corners[k].y);
-        bottom = std::max(bottom, polygon.corners[k].y);
-        left = std::min(left, polygon.corners[k].x);
-        right = std::max(right, polygon.corners[k].x);
+    Shape shape;
+    shape.polygon = polygon;
+    double top = polygon.corners[0].y, bottom = top, right = polygon.corners[0].x;
+    for (int k = 0; k < polygon.count; ++k) {
+        const TexelPoint a = polygon.corners[k], b = polygon.corners[k + 1 == polygon.count ? 0 : k + 1];
+        top = std::min(top, a.y);
+        bottom = std::max(bottom, a.y);
+        right = std::max(right, a.x);
+        if (a.y == b.y) continue;
+        const bool down = b.y > a.y;
+        shape.edges[shape.count++] = {down ? a : b, down ? b : a, (b.x - a.x) / (b.y - a.y),
+                                      down ? -1.0 : 1.0};
     }
     Row& row = rows_[depth];
     const auto wide = static_cast<std::size_t>(right) + 3;
     if (row.steps.size() < wide) row.steps.resize(wide);
     const auto last = static_cast<std::int64_t>(std::ceil(bottom));
-    for (std::int64_t y = floor_of(top); y < last; ++y) add_row(polygon, frame, y, depth);
+    for (std::int64_t y = floor_of(top); y < last; ++y)
+        if (cover_row(shape, y, row)) add_row(shape, frame, y, depth);
 }
 
-void ExactFilter::add_row(const ConvexPolygon& polygon, const Frame& frame, std::int64_t y,
-                          std::size_t depth) {
-    // What each texel of the row has covered
-    Row& row = rows_[depth];
+bool ExactFilter::cover_row(const Shape& shape, std::int64_t y, Row& row) {
     const auto upper = static_cast<double>(y), lower = upper + 1;
     double left = 1e300, right = 0;
     struct Part {
         double from, to, height;
     } parts[12];
     int count = 0;
-    for (int k = 0; k < polygon.count; ++k) {
-        const TexelPoint a = polygon.corners[k], b = polygon.corners[k + 1 == polygon.count ? 0 : k + 1];
-        const bool down = b.y > a.y;
-        const TexelPoint high = down ? a : b, low = down ? b : a;
-        const double from = std::max(high.y, upper), to = std::min(low.y, lower);
+    for (int k = 0; k < shape.count; ++k) {
+        const Edge& edge = shape.edges[k];
+        const double from = std::max(edge.from.y, upper), to = std::min(edge.to.y, lower);
         if (!(to > from)) continue;
-        const double slope = (low.x - high.x) / (low.y - high.y);
-        const auto at = [&](double v) {
-            return std::clamp(high.x + (v - high.y) * slope, std::min(high.x, low.x),
-                              std::max(high.x, low.x));
-        };
-        const double x0 = from == high.y ? high.x : at(from), x1 = to == low.y ? low.x : at(to);
-        parts[count++] = {x0, x1, down ? from - to : to - from};
+        const double x0 = edge.at(from), x1 = edge.at(to);
+        parts[count++] = {x0, x1, edge.sign * (to - from)};
         left = std::min({left, x0, x1});
         right = std::max({right, x0, x1});
     }
-    if (count == 0) return;
+    if (count == 0) return false;
     row.first = floor_of(left);
     row.last = static_cast<std::int64_t>(std::ceil(right));
     std::fill(row.steps.begin() + row.first, row.steps.begin() + row.last + 2, 0.0);
     for (int k = 0; k < count; ++k) add_edge(parts[k].from, parts[k].to, parts[k].height, row.steps.data());
+    return true;
+}
 
-    // Their texels, page after page
+void ExactFilter::add_row(const Shape& shape, const Frame& frame, std::int64_t y, std::size_t depth) {
+    const Row& row = rows_[depth];
+    const double* steps = row.steps.data();
     const auto weight = static_cast<double>(std::uint64_t{1} << 2 * (frame.level - finest_));
     const bool outline = frame.level == finest_;
     double covered = 0;
     for (std::int64_t x = row.first; x < row.last;) {
+        // A page's texels
         const std::int64_t page_x = (frame.x + x) >> 8, page_y = (frame.y + y) >> 8;
         const std::int64_t end = std::min(row.last, ((page_x + 1) << 8) - frame.x);
-        const TexelRows* page = &texels_.at(frame.level, page_x, page_y, *reading_);
-        const std::uint16_t* texel = page->texel((frame.x + x) & 255, (frame.y + y) & 255);
-        for (; x < end; ++x, texel += 4) {
-            covered += row.steps[static_cast<std::size_t>(x)];
-            if (covered <= 0) continue;
-            if (outline || covered > 1 - 1e-9) {
-                const double part = covered * weight;
-                sum_ += Doubles4{load_steps(texel)} * part;
-                area_ += part;
-                ++reading_->texels;
-                if (finest_ > 0 && outline) add_outline_bound(texel, covered);
-            } else {
-                add_part(polygon, frame, x, y, depth);
-                // The page may have been replaced meanwhile
-                page = &texels_.at(frame.level, page_x, page_y, *reading_);
-                texel = page->texel((frame.x + x) & 255, (frame.y + y) & 255);
+        const std::uint16_t* texel = texels_.at(frame.level, page_x, page_y, *reading_)
+                                         .texel((frame.x + x) & 255, (frame.y + y) & 255);
+        while (x < end) {
+            covered += steps[x];
+            const bool whole = covered > 1 - 1e-9;
+            if (covered <= 0) {
+                ++x;
+                texel += 4;
+                continue;
             }
+            if (!outline && !whole) {
+                add_part(shape.polygon, frame, x, y, depth);
+                ++x;
+                break;  // The page may have been replaced meanwhile
+            }
+            // All that have as much covered are one sum
+            const std::int64_t from = x;
+            Ints4 sum = load_steps(texel);
+            if (finest_ > 0 && !whole) add_outline_bound(texel, covered);
+            for (++x, texel += 4; x < end && steps[x] == 0; ++x, texel += 4) {
+                sum += load_steps(texel);
+                if (finest_ > 0 && !whole) add_outline_bound(texel, covered);
+            }
+            const double part = covered * weight;
+            sum_ += Doubles4{sum} * part;
+            area_ += part * static_cast<double>(x - from);
+            reading_->texels += static_cast<std::uint64_t>(x - from);
         }
     }
 }
@@ -209,8 +226,11 @@ Estimate ExactFilter::operator()(const Footprint& footprint, Reading& reading) {
     // The finest level by the outline, the coarsest by the area
     finest_ = level_of_at_most(2 * (box.width() + box.height()), most_outline);
     int level = finest_;
-    for (double texels = area * halved(2 * level); texels > most_area && level < max_level; texels /= 4)
-        ++level;
+    double texels = area * halved(2 * level), outline = 2 * (box.width() + box.height()) * halved(level);
+    for (; texels > std::max(most_area, outline * most_of_outline) && level < max_level; ++level) {
+        texels /= 4;
+        outline /= 2;
+    }
 
     const Frame frame{(footprint.x + floor_of(box.left)) >> level, (footprint.y + floor_of(box.top)) >> level,
                       level};

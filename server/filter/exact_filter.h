@@ -31,15 +31,29 @@ class ExactFilter {
         std::int64_t x = 0, y = 0;
         int level = 0;
     };
-    /// Of one row of texels, [first, last): how much of each lies right of the edges so far, as differences
-    /// from texel to texel.
+    /// What each of a row's texels [first, last) has covered, as differences from texel to texel.
     struct Row {
         std::vector<double> steps;
         std::int64_t first = 0, last = 0;
     };
 
+    /// From its upper end to its lower one.
+    struct Edge {
+        TexelPoint from, to;
+        double slope = 0;  ///< Of x along y.
+        double sign = 0;   ///< 1 where the polygon lies right of it, −1 where it lies left.
+        double at(double y) const noexcept;
+    };
+    /// A polygon in texels of its frame, and its edges that are not level.
+    struct Shape {
+        ConvexPolygon polygon;
+        Edge edges[12];
+        int count = 0;
+    };
+
     void add(const ConvexPolygon& polygon, const Frame& frame, std::size_t depth);
-    void add_row(const ConvexPolygon& polygon, const Frame& frame, std::int64_t y, std::size_t depth);
+    bool cover_row(const Shape& shape, std::int64_t y, Row& row);
+    void add_row(const Shape& shape, const Frame& frame, std::int64_t y, std::size_t depth);
     void add_part(const ConvexPolygon& polygon, const Frame& frame, std::int64_t x, std::int64_t y,
                   std::size_t depth);
     void add_outline_bound(const std::uint16_t* texel, double covered);

@@ -27,7 +27,7 @@ void add_polygon(const ConvexPolygon& polygon, const LineTable<Horizontal>& tabl
         const TexelPoint a = rightwards ? from : to, b = rightwards ? to : from;
         const double slope = (b.y - a.y) / (b.x - a.x);
         const double low = std::min(a.y, b.y), high = std::max(a.y, b.y);
-        auto line = static_cast<std::int64_t>(a.x);
+        auto line = static_cast<std::size_t>(a.x);
         double x = a.x, y = a.y;
         Doubles4 edge;
         for (;; ++line) {

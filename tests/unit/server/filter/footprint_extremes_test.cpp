@@ -75,7 +75,7 @@ TEST(FootprintExtremes, EveryBorderOfPagesHoldsAtEveryLevel) {
             }
     }
     std::printf("exact and unlimited lines at borders of all levels: %.6f codes at most\n", worst);
-    EXPECT_LT(worst, 0.35);
+    EXPECT_LT(worst, 0.001);
 }
 
 TEST(FootprintExtremes, ADistanceOfWholePeriodsChangesNoBit) {

@@ -16,7 +16,7 @@ TEST(LineTable, AveragesALinesSumsOverAnySlantedEdge) {
     const LineTable<true> rows{*page};
     RandomFootprints random{32};
     for (int i = 0; i < 90; ++i) {
-        const auto line = static_cast<std::int64_t>(random.uniform() * 256);
+        const auto line = static_cast<std::size_t>(random.uniform() * 256);
         const double from = random.uniform() * 256, to = i % 3 == 0   ? from
                                                          : i % 3 == 1 ? from * 0.99
                                                                       : random.uniform() * 256;
@@ -25,7 +25,7 @@ TEST(LineTable, AveragesALinesSumsOverAnySlantedEdge) {
         for (int k = 0; k < parts; ++k) {
             const double at = from + (to - from) * (k + 0.5) / parts;
             const auto whole = static_cast<std::size_t>(at);
-            const auto l = static_cast<std::size_t>(line);
+            const std::size_t l = line;
             for (std::size_t y = 0; y <= whole; ++y) {
                 const double part = y < whole ? 1 : at - static_cast<double>(whole);
                 column += part * page->steps[4 * (y * 256 + l)] / parts;
