@@ -37,6 +37,13 @@ TEST(ViewErrors, AnUnknownSceneIsAnsweredWithThoseThereAre) {
     EXPECT_THAT(outside.error, AllOf(HasSubstr("path.json"), HasSubstr("keys[0]"), HasSubstr("x and y")));
 }
 
+TEST(ViewErrors, ATextureFolderThatIsNoneIsNamedBeforeAnythingIsDrawn) {
+    const auto ended =
+        run_view({"--headless", "--compare-filters", "--textures", "no-such-folder", "-o", "nowhere"});
+    EXPECT_EQ(ended.exit_code, 1);
+    EXPECT_THAT(ended.error, AllOf(HasSubstr("--textures"), HasSubstr("no-such-folder")));
+}
+
 TEST(ViewErrors, AWrongCommandLineSaysWhatIsWrong) {
     const auto wrong = [](const std::vector<std::string>& arguments) {
         const auto ended = run_view(arguments);
