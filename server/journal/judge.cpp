@@ -14,11 +14,9 @@ std::optional<AppendOutcome> judge(const Append& edit, const Standing& standing,
         return Refused{Refusal::too_large, "the edit has " + std::to_string(edit.bytes.size()) +
                                                " bytes, more than " + std::to_string(edit_bytes)};
 
+    if (edit.expected && *edit.expected != standing.head) return Conflict{standing.head};
+
     // A forgotten edit of this id would be newer than all that its client knew
-    if (edit.expected) {
-        if (*edit.expected != standing.head) return Conflict{standing.head};
-        return std::nullopt;
-    }
     if (edit.known < standing.forgotten)
         return Refused{Refusal::outside_horizon,
                        "the edit was made at revision " + std::to_string(edit.known) +
