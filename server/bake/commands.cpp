@@ -28,7 +28,7 @@ struct Arguments {
     std::string channels{name_of(ChannelSet::albedo)};
     std::uint32_t level = 0, x = 0, y = 0;
     std::int32_t gutter = 0;
-    std::int64_t slice = 0;
+    std::int64_t slice = 0, step = 0;
     bool quiet = false;
 };
 
@@ -70,6 +70,13 @@ Error beyond_limit(const Arguments& arguments, double bound_codes) {
                                           arguments.max_error};
 }
 
+std::string validity_text(const Validity& valid) {
+    if (valid.is_static()) return ", the same at every step";
+    return ", the same from step " +
+           (valid.from == always ? std::string{"ever"} : std::to_string(valid.from)) + " to before " +
+           (valid.until == never ? std::string{"never"} : std::to_string(valid.until));
+}
+
 Result<void> run_page(const Arguments& arguments) {
     const auto dot = arguments.output.rfind('.');
     const auto format =
@@ -95,6 +102,7 @@ Result<void> run_page(const Arguments& arguments) {
     if (!texture) return texture.error();
     TexelRegion region = region_of(page, arguments.gutter);
     region.slice = (*scene)->same_slice(arguments.slice);
+    region.step = (*scene)->same_step(arguments.step);
     Rgba8Image texels;
     const auto evaluated = evaluate_within(**texture, region, *limit,
                                            Budget{.accuracy = *accuracy_named(arguments.accuracy)}, texels);
@@ -104,10 +112,11 @@ Result<void> run_page(const Arguments& arguments) {
     if (!bytes) return bytes.error();
     if (auto written = write_file(arguments.output, *bytes); !written) return written;
     if (!arguments.quiet)
-        std::fprintf(stderr, "%s: level %u page (%u, %u), method %.*s, bound %.4f codes\n",
+        std::fprintf(stderr, "%s: level %u page (%u, %u), method %.*s, bound %.4f codes%s\n",
                      arguments.output.c_str(), arguments.level, arguments.x, arguments.y,
                      static_cast<int>(evaluation.method.size()), evaluation.method.data(),
-                     evaluation.bound_codes);
+                     evaluation.bound_codes,
+                     (*scene)->animated ? validity_text(evaluation.validity).c_str() : "");
     if (!evaluated->met) return beyond_limit(arguments, evaluation.bound_codes);
     return {};
 }
@@ -144,6 +153,7 @@ Result<void> run_bake(const Arguments& arguments) {
     const auto scene = load_scene(arguments.scene);
     if (!scene) return scene.error();
     region->slice = (*scene)->same_slice(arguments.slice);
+    region->step = (*scene)->same_step(arguments.step);
     const auto texture = texture_of(**scene, arguments.channels);
     if (!texture) return texture.error();
     const Interrupt interrupt;
@@ -174,6 +184,11 @@ Result<void> run_check(const Arguments& arguments) {
         std::printf("slices: 0 to %d, which repeat\n", s.slices - 1);
     else if (s.slices == 0)
         std::printf("slices: without end\n");
+    if (s.animated) {
+        std::printf("animated: %g steps a second", s.steps_per_second);
+        if (s.loop_steps > 0) std::printf(", again from step %lld on", static_cast<long long>(s.loop_steps));
+        std::printf("\n");
+    }
     if (!s.block_list.empty()) std::printf("blocks:\n%s", s.block_list.c_str());
     std::string plan = s.texture->description();
     if (!plan.ends_with('\n')) plan += '\n';
@@ -219,6 +234,9 @@ void add_output(CLI::App& command, Arguments& arguments, const char* help) {
         .add_option("--slice", arguments.slice,
                     "Slice of a texture with a third dimension, in texels of level 0")
         ->check(CLI::Range(-max_slice, max_slice))
+        ->capture_default_str();
+    command.add_option("--step", arguments.step, "Step of the animation clock, where the scene moves")
+        ->check(CLI::Range(-max_step, max_step))
         ->capture_default_str();
     command.add_flag("-q,--quiet", arguments.quiet, "Say nothing but errors");
 }

@@ -52,11 +52,11 @@ std::optional<std::uint64_t> number(std::string_view text) {
     return value;
 }
 
-/// A slice: a decimal number, which may be negative; −0 is no number.
-std::optional<std::int64_t> slice_number(std::string_view text) {
+/// A decimal number within ±most, which may be negative; −0 is no number.
+std::optional<std::int64_t> signed_number(std::string_view text, std::int64_t most) {
     const bool negative = text.starts_with('-');
     const auto magnitude = number(negative ? text.substr(1) : text);
-    if (!magnitude || *magnitude > static_cast<std::uint64_t>(max_slice) || (negative && *magnitude == 0))
+    if (!magnitude || *magnitude > static_cast<std::uint64_t>(most) || (negative && *magnitude == 0))
         return std::nullopt;
     return negative ? -static_cast<std::int64_t>(*magnitude) : static_cast<std::int64_t>(*magnitude);
 }
@@ -121,7 +121,7 @@ Parsed<PageAddress> page_address(const std::vector<std::string>& segments) {
 Parsed<PageQuery> page_query(std::string_view query) {
     PageQuery result;
     bool has_gutter = false, has_accuracy = false, has_max_error = false, has_channels = false,
-         has_slice = false;
+         has_slice = false, has_step = false;
     while (!query.empty()) {
         const std::size_t end = std::min(query.find('&'), query.size());
         const std::string_view item = query.substr(0, end);
@@ -151,12 +151,18 @@ Parsed<PageQuery> page_query(std::string_view query) {
             if (std::exchange(has_channels, true)) return malformed("channels: is given twice");
             result.channels = *channels;
         } else if (name == "slice") {
-            const auto slice = slice_number(value);
+            const auto slice = signed_number(value, max_slice);
             if (!slice) return malformed("slice: an integer from -2^40 to 2^40");
             if (std::exchange(has_slice, true)) return malformed("slice: is given twice");
             result.slice = *slice;
+        } else if (name == "step") {
+            const auto step = signed_number(value, max_step);
+            if (!step) return malformed("step: an integer from -2^62 to 2^62");
+            if (std::exchange(has_step, true)) return malformed("step: is given twice");
+            result.step = *step;
         } else {
-            return malformed("unknown parameter; pages take gutter, accuracy, max_error, channels and slice");
+            return malformed(
+                "unknown parameter; pages take gutter, accuracy, max_error, channels, slice and step");
         }
     }
     if (result.max_error) result.accuracy = Accuracy::high;
@@ -174,6 +180,7 @@ std::string PageQuery::canonical() const {
     if (max_error) add("max_error", text_of(*max_error));
     if (channels != ChannelSet::albedo) add("channels", name_of(channels));
     if (slice != 0) add("slice", std::to_string(slice));
+    if (step != 0) add("step", std::to_string(step));
     return text;
 }
 

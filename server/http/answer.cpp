@@ -107,15 +107,19 @@ std::string page_prelude(const EncodedPage& page) {
     field("Tessera-Channels", name_of(page.options.channels));
     field("Tessera-Revision", std::to_string(page.revision));
     field("Tessera-Level", std::to_string(page.key.level));
+    const Validity& valid = page.evaluation.validity;
+    field("Tessera-Valid-From", valid.from == always ? "always" : std::to_string(valid.from));
+    field("Tessera-Valid-Until", valid.until == never ? "never" : std::to_string(valid.until));
     text += prelude_of_text;
     text.shrink_to_fit();
     return text;
 }
 
-std::string page_fields_without_body(PageId id, const PageOptions& options, bool not_modified) {
+std::string page_fields_without_body(std::optional<PageId> id, const PageOptions& options,
+                                     bool not_modified) {
     // Only its evaluation tells whether a page keeps a limit, and has an entity tag at all
     std::string text;
-    if (!options.max_error || not_modified) text = "ETag: " + etag_of(id) + "\r\n";
+    if (id && (!options.max_error || not_modified)) text = "ETag: " + etag_of(*id) + "\r\n";
     text += negotiation_fields(options);
     if (!not_modified) {
         text += "Content-Type: ";

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -38,7 +39,8 @@ Answer error_answer(const Error& error);
 std::string page_prelude(const EncodedPage& page);
 
 /// A page's header where there is no body to send: HEAD of a page that nobody has evaluated yet, and 304.
-std::string page_fields_without_body(PageId id, const PageOptions& options, bool not_modified);
+/// `id`: if it is known without.
+std::string page_fields_without_body(std::optional<PageId> id, const PageOptions& options, bool not_modified);
 
 /// Whether If-None-Match names `etag` (RFC 9110, 13.1.2: weak comparison).
 bool matches(std::string_view if_none_match, std::string_view etag);

@@ -53,6 +53,11 @@ std::string describe_tiles(const Scene& scene, std::string_view origin) {
     info.add_channels(std::string{name_of(ChannelSet::albedo)});
     for (const Channels& channels : scene.channels) info.add_channels(std::string{name_of(channels.set)});
     info.set_slices(static_cast<std::uint32_t>(scene.slices));
+    info.set_animated(scene.animated);
+    if (scene.animated) {
+        info.set_steps_per_second(scene.steps_per_second);
+        info.set_loop_steps(scene.loop_steps);
+    }
     return write_json(tiles);
 }
 

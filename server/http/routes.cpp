@@ -89,6 +89,7 @@ Routes::Outcome Routes::page(const RequestHead& request, const Site& site,
                                    "\"; it has " + scene->channel_names(),
                                false});
     query->slice = scene->same_slice(query->slice);
+    query->step = scene->same_step(query->step);
     const std::uint8_t n = scene->extent.n;
     const std::uint64_t side = address->z <= n ? std::uint64_t{1} << address->z : 0;
     if (address->x >= side || address->y >= side) {
@@ -100,7 +101,7 @@ Routes::Outcome Routes::page(const RequestHead& request, const Site& site,
                          {static_cast<std::uint8_t>(n - address->z), static_cast<std::uint32_t>(address->x),
                           static_cast<std::uint32_t>(address->y)},
                          {address->format, ContentCoding::identity, query->gutter, query->accuracy,
-                          query->channels, query->slice, query->max_error},
+                          query->channels, query->slice, query->max_error, query->step},
                          urgency_of(request["Priority"])},
                         address->pin.has_value()};
     PageRequest& wanted = pending.request;
@@ -131,13 +132,13 @@ Routes::Outcome Routes::page(const RequestHead& request, const Site& site,
         }
     }
 
-    const PageId id = page_id(wanted);
+    const std::optional<PageId> id = pages_.id_of(wanted);
     const std::string_view caching = pending.pinned ? immutable_caching : now_caching;
-    if (const std::string_view known = request[http::field::if_none_match];
-        !known.empty() && !(known == "*" && wanted.options.max_error) && matches(known, etag_of(id))) {
-        return text_answer(304, {}, {}, page_fields_without_body(id, wanted.options, true).append(caching));
-    }
-    if (const PagePtr page = pages_.find(id, wanted)) return page_answer(page, pending.pinned, true);
+    const std::string_view known = request[http::field::if_none_match];
+    if (id && !known.empty() && !(known == "*" && wanted.options.max_error) && matches(known, etag_of(*id)))
+        return page_not_modified(*id, wanted.options, pending.pinned);
+    if (id)
+        if (const PagePtr page = pages_.find(*id, wanted)) return page_answer(page, pending.pinned, true);
     if (request.is(http::verb::head)) {
         Answer answer;
         answer.fields = page_fields_without_body(id, wanted.options, false)
@@ -145,7 +146,22 @@ Routes::Outcome Routes::page(const RequestHead& request, const Site& site,
         answer.prelude = text_answer(204, {}, {}).prelude;
         return answer;
     }
+    // Only its evaluation tells in which steps a page that moves stays the same, and so its entity tag
+    if (!id) pending.if_none_match = known;
     return pending;
+}
+
+Answer Routes::page_not_modified(PageId id, const PageOptions& options, bool pinned) {
+    return text_answer(
+        304, {}, {},
+        page_fields_without_body(id, options, true).append(pinned ? immutable_caching : now_caching));
+}
+
+Answer Routes::page_answer(const PagePtr& page, const PendingPage& pending) {
+    if (!pending.if_none_match.empty() && page->within_limit &&
+        matches(pending.if_none_match, etag_of(page->id)))
+        return page_not_modified(page->id, page->options, pending.pinned);
+    return page_answer(page, pending.pinned, false);
 }
 
 Answer Routes::page_answer(const PagePtr& page, bool pinned, bool from_cache) {

@@ -27,7 +27,8 @@ struct Site {
 /// A page that has to be waited for.
 struct PendingPage {
     PageRequest request;
-    bool pinned = false;  ///< Asked for by its immutable address.
+    bool pinned = false;          ///< Asked for by its immutable address.
+    std::string if_none_match{};  ///< What its entity tag, not known yet, is to be held against.
 };
 
 /// Samples that are asked for by a body, which has to be read first.
@@ -48,12 +49,15 @@ class Routes {
 
     /// The answer that a page is; `from_cache` is for Server-Timing alone.
     static Answer page_answer(const PagePtr& page, bool pinned, bool from_cache);
+    /// The answer to one that had to be waited for.
+    static Answer page_answer(const PagePtr& page, const PendingPage& pending);
 
     /// Takes the reply's body.
     static Answer sample_answer(SampleReply& reply);
 
   private:
     Outcome sample(const RequestHead& request, const ScenePtr& scene);
+    static Answer page_not_modified(PageId id, const PageOptions& options, bool pinned);
     Outcome page(const RequestHead& request, const Site& site, const std::vector<std::string>& segments);
     Answer scene_list(const RequestHead& request, const Catalog& catalog);
     Answer tile_json(const RequestHead& request, const Scene& scene);

@@ -228,7 +228,7 @@ Task<bool> Session::wait_for_page(PendingPage pending, const RequestHead& reques
             spdlog::error("{}: {}", std::string{request.path}, page.error().detail);
         co_return co_await send(error_answer(page.error()), true, keep_alive);
     }
-    co_return co_await send(Routes::page_answer(*page, pending.pinned, false), true, keep_alive);
+    co_return co_await send(Routes::page_answer(*page, pending), true, keep_alive);
 }
 
 /// Returns when the connection ends; a client that closes only its sending half counts as gone. What the

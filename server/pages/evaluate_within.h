@@ -27,6 +27,7 @@ Result<EvaluationWithin> evaluate_within(const Texture& texture, const TexelRegi
     EvaluationWithin best;
     double doubted = 0;
     std::uint64_t work = 0;
+    Validity validity;
     Budget tried = budget;
     for (const Accuracy accuracy : {Accuracy::fast, Accuracy::high, Accuracy::exact}) {
         tried.accuracy = accuracy;
@@ -34,6 +35,8 @@ Result<EvaluationWithin> evaluate_within(const Texture& texture, const TexelRegi
         if (!evaluation) return evaluation.error();
         best = {*evaluation, accuracy, limit->allows(evaluation->bound_codes)};
         best.evaluation.work = work += evaluation->work;
+        best.evaluation.validity.meet(validity);  // Those that were not taken had a say in it
+        validity = best.evaluation.validity;
         // A bound that was chosen among several holds less surely than one that was not
         if (evaluation->confidence < 1) {
             best.evaluation.confidence -= doubted;

@@ -45,6 +45,13 @@ PageId page_id(const PageRequest& request) {
     return {digest.high64, digest.low64};
 }
 
+PageId page_id(PageId line, Step from) {
+    if (from == always) return line;
+    const std::array<std::uint64_t, 3> fields{line.high, line.low, static_cast<std::uint64_t>(from)};
+    const XXH128_hash_t digest = XXH3_128bits(fields.data(), sizeof fields);
+    return {digest.high64, digest.low64};
+}
+
 std::string etag_of(PageId id) {
     constexpr std::string_view digits = "0123456789abcdef";
     std::string tag(34, '"');

@@ -57,6 +57,14 @@ void PageService::stop() {
     threads_.clear();
 }
 
+std::optional<PageId> PageService::id_of(const PageRequest& request) {
+    const PageId line = page_id(request);
+    if (!request.scene->animated) return line;
+    const auto interval = intervals_.find(line, request.options.step);
+    if (!interval) return std::nullopt;
+    return page_id(line, interval->from);
+}
+
 PagePtr PageService::find(PageId id, const PageRequest& request) {
     PagePtr page = cache_.find(id);
     if (page) {
@@ -67,7 +75,9 @@ PagePtr PageService::find(PageId id, const PageRequest& request) {
 }
 
 PageService::Ticket PageService::request(const PageRequest& request, Handler handler) {
-    const PageId id = page_id(request);
+    // What is asked for: of a scene that moves, the step counts until the page's interval is known
+    const PageId line = page_id(request);
+    const PageId id = request.scene->animated ? page_id(line, request.options.step) : line;
     const std::uint8_t level = request.key.level;
     metrics_.count(request.options.channels);
     Ticket ticket;
@@ -79,7 +89,8 @@ PageService::Ticket PageService::request(const PageRequest& request, Handler han
         // them
         const auto flying = in_flight_.find(id);
         if (flying == in_flight_.end()) {
-            if (PagePtr page = cache_.find(id)) {
+            const auto known = id_of(request);
+            if (PagePtr page = known ? cache_.find(*known) : nullptr) {
                 lock.unlock();
                 metrics_.count(PageResult::cached, level);
                 handler(std::move(page));
@@ -180,7 +191,11 @@ void PageService::work() {
         lock.unlock();
 
         const Result<PagePtr> page = evaluate_guarded(*job);
-        if (page) cache_.insert(*page);
+        if (page) {
+            cache_.insert(*page);
+            if (job->request.scene->animated)
+                intervals_.insert(page_id(job->request), (*page)->evaluation.validity);
+        }
 
         lock.lock();
         std::erase(running_, job);
@@ -217,13 +232,16 @@ Result<PagePtr> PageService::evaluate(PageJob& job) {
     if (texture == nullptr) return Error{ErrorCode::malformed_request, "the scene has no such channels"};
     TexelRegion region = region_of(request.key, request.options.gutter);
     region.slice = request.options.slice;
+    region.step = request.options.step;
     const auto evaluated_within = evaluate_within(*texture, region, request.options.max_error, budget, image);
     if (!evaluated_within) return evaluated_within.error();
     const Clock::time_point evaluated = Clock::now();
     metrics_.evaluate_seconds.Observe(to_seconds(evaluated - begun));
 
     auto page = std::make_shared<EncodedPage>();
-    page->id = job.id;
+    page->id = request.scene->animated
+                   ? page_id(page_id(request), evaluated_within->evaluation.validity.from)
+                   : job.id;
     page->key = request.key;
     page->options = request.options;
     page->revision = page_revision(*request.scene, request.key);

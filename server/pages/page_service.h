@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <unordered_map>
@@ -16,6 +17,7 @@
 #include "server/pages/evaluation_queue.h"
 #include "server/pages/one_colour_pages.h"
 #include "server/pages/page_cache.h"
+#include "server/pages/page_intervals.h"
 #include "server/pages/page_metrics.h"
 #include "shared/result/result.h"
 
@@ -71,6 +73,10 @@ class PageService {
     PageService(const PageService&) = delete;
     PageService& operator=(const PageService&) = delete;
 
+    /// Which page answers `request`. Of a scene that moves this is known once a page of an interval that the
+    /// step lies in was evaluated. Takes microseconds.
+    std::optional<PageId> id_of(const PageRequest& request);
+
     /// The page of `id`, which is that of `request`, if it is in the cache, else null; counts a hit. Takes
     /// microseconds, never evaluates.
     PagePtr find(PageId id, const PageRequest& request);
@@ -110,6 +116,7 @@ class PageService {
     const MakePrelude make_prelude_;
     PageMetrics metrics_;
     PageCache cache_;
+    PageIntervals intervals_;
     OneColourPages one_colour_pages_;
 
     std::mutex mutex_;  ///< Guards what follows; never held while evaluating or calling a handler.

@@ -80,6 +80,11 @@ Result<void> compile_pattern(const std::filesystem::path& folder, const std::fil
                          "; use smaller or fewer patterns and maps, or fewer types, turns and scales"};
     scene.texture = make_pattern_texture(*plan);
     scene.slices = slices_of(*plan);
+    scene.animated =
+        std::any_of(plan->textures.begin(), plan->textures.end(), [](const PlannedTexture& texture) {
+            const auto* cells = std::get_if<ReferencePlan>(&texture.what);
+            return cells != nullptr && cells->program->moves();
+        });
     scene.block_list = to_text(plan->lines);
     return {};
 }

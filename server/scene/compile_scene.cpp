@@ -60,10 +60,23 @@ Result<void> set(Result<std::shared_ptr<const Texture>> texture, Scene& scene) {
     return {};
 }
 
+Result<void> compile_clock(const fs::path& file, const proto::Clock& clock, Scene& scene) {
+    const double rate = clock.steps_per_second();
+    if (!(rate == 0 || (rate > 0 && rate <= 1000)))
+        return invalid(file, "clock.steps_per_second: is no number above 0 and at most 1000");
+    if (rate > 0) scene.steps_per_second = rate;
+    if (clock.loop_steps() < 0 || clock.loop_steps() > max_step)
+        return invalid(file,
+                       "clock.loop_steps: is " + std::to_string(clock.loop_steps()) + "; from 0 to 2^62");
+    scene.loop_steps = clock.loop_steps();
+    return {};
+}
+
 }  // namespace
 
 Result<void> compile_scene(const fs::path& folder, const fs::path& file, const proto::Scene& message,
                            Scene& scene) {
+    if (auto clock = compile_clock(file, message.clock(), scene); !clock) return clock;
     switch (message.texture_case()) {
         case proto::Scene::kConstant: {
             const auto color = to_color(file, "constant.color", message.constant().color());

@@ -27,12 +27,18 @@ struct Scene {
     std::vector<Channels> channels;          ///< The other sets it has, in the order of ChannelSet.
     /// Slices after which the texture is the same again: 1 without a third dimension, 0 if it never is.
     std::int32_t slices = 1;
+    bool animated = false;         ///< Whether anything changes with the step.
+    double steps_per_second = 10;  ///< At which players show it.
+    std::int64_t loop_steps = 0;   ///< After which players begin again at step 0; 0: never.
     std::string block_list;  ///< Of a pattern, for `tessera check`: a line for each block of the scene file.
 
     /// The least slice, from 0 on, that looks like this one; the slice itself where none repeats.
     std::int64_t same_slice(std::int64_t slice) const noexcept {
         return slices == 0 ? slice : (slice % slices + slices) % slices;
     }
+
+    /// The step whose pages are those of this one: 0 where nothing moves.
+    std::int64_t same_step(std::int64_t step) const noexcept { return animated ? step : 0; }
 
     /// Null if the scene has no such set.
     const Texture* texture_of(ChannelSet set) const noexcept {

@@ -56,6 +56,10 @@ TEST(PageQuery, HasOneCanonicalForm) {
     EXPECT_EQ(page_query("slice=0").value().canonical(), "");
     EXPECT_EQ(page_query("slice=-12&channels=normal").value().canonical(), "?channels=normal&slice=-12");
     EXPECT_EQ(page_query("slice=1099511627776").value().slice, max_slice);
+    EXPECT_EQ(page_query("step=0").value().canonical(), "");
+    EXPECT_EQ(page_query("step=-3&slice=2&gutter=1").value().canonical(), "?gutter=1&slice=2&step=-3");
+    EXPECT_EQ(page_query("step=1000000000000000").value().step, 1'000'000'000'000'000);
+    EXPECT_EQ(page_query("step=-4611686018427387904").value().step, -max_step);
 }
 
 TEST(PageQuery, RefusesWhatItDoesNotKnow) {
@@ -82,6 +86,12 @@ TEST(PageQuery, RefusesWhatItDoesNotKnow) {
                               "slice=-1099511627777",
                               "slice=99999999999999999999",
                               "slice=1&slice=1",
+                              "step=",
+                              "step=1e3",
+                              "step=-0",
+                              "step=4611686018427387905",
+                              "step=-9223372036854775809",
+                              "step=1&step=1",
                               "max_error=",
                               "max_error=-1",
                               "max_error=1e-3",

@@ -62,6 +62,74 @@ TEST_F(PageServiceTest, FindsAPageInTheCacheOnceItWasMade) {
     EXPECT_EQ(made->evaluation.work, 7u);
 }
 
+/// Changes every ten steps.
+class MovingTexture final : public Texture {
+  public:
+    using Texture::evaluate;
+    Result<Evaluation> evaluate(const TexelRegion& region, const Budget&, LinearImage& out) const override {
+        ++evaluations;
+        out = LinearImage{region.width, region.height};
+        const std::int64_t tens = region.step >= 0 ? region.step / 10 : -((9 - region.step) / 10);
+        std::fill(out.values.begin(), out.values.end(), static_cast<float>(tens % 7 + 8) / 16);
+        Evaluation evaluation{.method = "moving", .work = 1};
+        evaluation.validity = {tens * 10, tens * 10 + 10};
+        if (region.level > 3) evaluation.validity = {};
+        return evaluation;
+    }
+    std::string_view kind() const noexcept override { return "moving"; }
+    std::string description() const override { return "moving"; }
+    std::size_t memory_bytes() const noexcept override { return 0; }
+    mutable std::atomic<int> evaluations = 0;
+};
+
+TEST_F(PageServiceTest, ServesAPageFromTheCacheForEveryStepInWhichItIsTheSame) {
+    const auto moving = std::make_shared<MovingTexture>();
+    const auto animated = std::make_shared<Scene>(*make_scene("moving", moving));
+    animated->animated = true;
+    const auto at = [&](std::int64_t step, std::uint8_t level = 0) {
+        PageRequest request{animated, {level, 0, 0}, {}, {}};
+        request.options.step = step;
+        return request;
+    };
+    PageService pages{{}, registry};
+    EXPECT_EQ(pages.id_of(at(3)), std::nullopt);
+    const PagePtr first = ask(pages, at(3)).result.get().value();
+    EXPECT_EQ(first->evaluation.validity, (Validity{0, 10}));
+    for (std::int64_t step = 0; step < 10; ++step) {
+        EXPECT_EQ(pages.id_of(at(step)), first->id);
+        EXPECT_EQ(ask(pages, at(step)).result.get().value(), first);
+    }
+    EXPECT_EQ(moving->evaluations, 1);
+    const PagePtr later = ask(pages, at(10)).result.get().value();
+    EXPECT_NE(later->id, first->id);
+    EXPECT_EQ(ask(pages, at(-1)).result.get().value()->evaluation.validity, (Validity{-10, 0}));
+    EXPECT_EQ(moving->evaluations, 3);
+
+    // At rest: one page for all steps
+    const PagePtr still = ask(pages, at(5, 4)).result.get().value();
+    EXPECT_EQ(still->id, page_id(at(77, 4)));
+    EXPECT_EQ(ask(pages, at(1'000'000'000'000'000, 4)).result.get().value(), still);
+    EXPECT_EQ(moving->evaluations, 4);
+}
+
+TEST_F(PageServiceTest, NamesAPageAlikeWhicheverOfItsStepsCameFirst) {
+    const auto moving = std::make_shared<MovingTexture>();
+    const auto animated = std::make_shared<Scene>(*make_scene("moving", moving));
+    animated->animated = true;
+    std::optional<PageId> id;
+    for (const std::int64_t step : {40, 49, 45}) {
+        prometheus::Registry of_this;
+        PageService pages{{}, of_this};
+        PageRequest request{animated, {0, 0, 0}, {}, {}};
+        request.options.step = step;
+        const PagePtr page = ask(pages, request).result.get().value();
+        if (id) {
+            EXPECT_EQ(page->id, *id);
+        }
+        id = page->id;
+    }
+}
+
 TEST_F(PageServiceTest, DropsAQueuedPageWhenTheLastAskerLeaves) {
     PageService pages{{.threads = 1}, registry};
     Asked running = ask(pages, page(0));

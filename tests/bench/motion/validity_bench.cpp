@@ -1,0 +1,136 @@
+// What it costs to tell in which steps a page stays the same, against the page's evaluation, one core.
+//   build/release/bin/validity_bench
+// prints the median time of a page of codes at each level, of its cells' decisions without and with the
+// interval, and the difference in percent of the page. Returns 1 if that is more than 5 percent.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include <google/protobuf/util/json_util.h>
+
+#include "server/blocks/plan.h"
+#include "server/pattern/pattern_texture.h"
+#include "tests/support/made_patterns.h"
+
+namespace tessera {
+namespace {
+
+constexpr double most_percent = 5;
+
+class MadeFiles final : public BlockFiles {
+  public:
+    Result<PatternImages> read_patterns(const std::string&, const proto::PatternSet&) override {
+        return made_patterns(16, 4, 1, true);
+    }
+    Result<StoredMap> read_map(const std::string&, const std::string&) override {
+        StoredMap map{1024, 1024, {}, StoredMap::Edge::wrap, 0, 0, 0};
+        for (std::int64_t i = 0; i < 1024 * 1024; ++i)
+            map.values.push_back(hash(3, stream("map"), i, 0) % 4 == 0 ? 20 : 5000);
+        return map;
+    }
+    Result<std::shared_ptr<const Texture>> read_exchange(const std::string&, const proto::Block&) override {
+        return std::shared_ptr<const Texture>{};
+    }
+};
+
+Plan plan_of(const std::string& animation) {
+    proto::Pattern message;
+    const std::string json =
+        R"({"blocks": [
+      {"name": "set", "pattern_set": {"image": "a.png", "side_texels": 16}},
+      {"name": "cells", "virtual_tile_map": {"cell_texels": 16}},
+      {"name": "frames", "animation_sequence": {"frames": [{"pattern": 0}, {"pattern": 1}, {"pattern": 2, "steps": 20}, {"pattern": 3}]}},
+      {"name": "phase", "virtual_indirection_map": {"grid": "cells", "count": 65536}},)" +
+        animation +
+        R"(, {"name": "t", "reference_texture": {"patterns": "set", "grid": "cells", "index": {"block": "x"}}}]})";
+    if (!google::protobuf::util::JsonStringToMessage(json, &message).ok()) std::abort();
+    MadeFiles files;
+    auto plan = compile_plan(message, files);
+    if (!plan) {
+        std::fprintf(stderr, "%s\n", plan.error().detail.c_str());
+        std::exit(2);
+    }
+    return std::move(*plan);
+}
+
+/// Microseconds, the median of many runs.
+template <class Run>
+double median_of(const Run& run) {
+    std::vector<double> times;
+    for (int i = 0; i < 41; ++i) {
+        const auto begun = std::chrono::steady_clock::now();
+        run(i);
+        times.push_back(
+            std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begun).count());
+    }
+    std::nth_element(times.begin(), times.begin() + 20, times.end());
+    return times[20];
+}
+
+/// Returns whether it keeps the limit.
+bool measure(const char* name, const std::string& animation) {
+    const Plan plan = plan_of(animation);
+    const auto texture = make_pattern_texture(plan);
+    const ReferencePlan& cells = std::get<ReferencePlan>(plan.textures.back().what);
+    bool kept = true;
+    for (const std::uint8_t level : {std::uint8_t{0}, std::uint8_t{2}, std::uint8_t{4}, std::uint8_t{6}}) {
+        Rgba8Image out;
+        Validity validity;
+        const double page = median_of([&](int i) {
+            TexelRegion region = region_of({level, static_cast<std::uint32_t>(i), 3});
+            region.step = 1000 + 7 * i;
+            const auto evaluation = texture->evaluate(region, Budget{}, out);
+            validity = evaluation->validity;
+        });
+        const int side_log2 = 8 + level - 4;  // log2 of the cells along a page
+        std::vector<std::int32_t> patterns(std::size_t{1} << side_log2);
+        const auto decide = [&](int i, bool with) {
+            Validity met;
+            const std::int64_t x = std::int64_t{i} << side_log2, y = std::int64_t{3} << side_log2;
+            for (std::int64_t row = 0; row < std::int64_t{1} << side_log2; ++row)
+                for (std::size_t from = 0; from < patterns.size(); from += 4096) {
+                    const auto count =
+                        static_cast<std::int32_t>(std::min<std::size_t>(4096, patterns.size() - from));
+                    cells.program->patterns({.x = x + static_cast<std::int64_t>(from),
+                                             .y = y + row,
+                                             .count = count,
+                                             .step = 1000 + 7 * i,
+                                             .validity = with ? &met : nullptr},
+                                            patterns.data() + from);
+                }
+        };
+        const double without = median_of([&](int i) { decide(i, false); });
+        const double with = median_of([&](int i) { decide(i, true); });
+        const double percent = 100 * std::max(0.0, with - without) / page;
+        kept &= percent <= most_percent;
+        std::printf(
+            "%-14s level %d  page %8.1f us  cells %8.1f us  with interval %8.1f us  %5.2f %% of the page  "
+            "%s\n",
+            name, int{level}, page, without, with, percent,
+            validity.is_static()                  ? "static"
+            : validity.until - validity.from == 1 ? "a step"
+                                                  : "some steps");
+    }
+    return kept;
+}
+
+}  // namespace
+}  // namespace tessera
+
+int main() {
+    using tessera::measure;
+    const std::string rest =
+        R"({"name": "rest", "virtual_random_map": {"grid": "cells", "from": 0, "to": 2000}},)";
+    const std::string board =
+        R"({"name": "board", "explicit_indirection_map": {"grid": "cells", "image": "b.png"}},)";
+    const auto animated = [](const std::string& value) {
+        return R"({"name": "x", "animation_map": {"sequence": "frames", "phase": {"block": "phase"}, "rest": )" +
+               value + "}}";
+    };
+    bool kept = measure("random rests", rest + animated(R"({"block": "rest"})"));
+    kept &= measure("a board", board + animated(R"({"block": "board"})"));
+    kept &= measure("all at rest", animated(R"({"integer": "1000000000"})"));
+    return kept ? 0 : 1;
+}
