@@ -32,7 +32,8 @@ class AnisotropicFilter {
             sum += probe_.trilinear(lod, lattice_point(footprint, at), reading);
         }
         const Doubles4 steps = Doubles4{sum} * (1.0 / probes);
-        return {steps, bound_of_any(steps)};
+        const bool magnified = probes == 1 && lod == 0;
+        return {steps, magnified ? probe_.bound_of_four(footprint, steps) : bound_of_any(steps)};
     }
 
   private:

@@ -14,7 +14,7 @@ class BilinearFilter {
     Estimate operator()(const Footprint& footprint, Reading& reading) {
         const Doubles4 steps{
             probe_.bilinear(0, lattice_point(footprint, axes_of(footprint).centre), reading)};
-        return {steps, bound_of_any(steps)};
+        return {steps, probe_.bound_of_four(footprint, steps)};
     }
 
   private:

@@ -36,7 +36,7 @@ class EachFootprint final : public FootprintSampler {
     Result<void> sample(std::span<const Footprint> footprints, const Budget& budget,
                         std::span<FilteredSample> samples) override {
         for (std::size_t i = 0; i < footprints.size(); ++i) {
-            if (i % 64 == 0)
+            if (i % 16 == 0)
                 if (const auto within = check_budget(budget); !within) return within;
             if (const auto sound = check_footprint(footprints[i]); !sound)
                 return Error{sound.error().code,

@@ -14,6 +14,11 @@ constexpr double most_pages = 300;
 /// Narrower footprints, in texels, are left to the exact filter.
 constexpr double least_width = 0x1p-14;
 
+/// What mean_sum() reads: one entry for each end, or one for both inside a texel.
+std::uint64_t entries_between(double from, double to) noexcept {
+    return static_cast<std::int32_t>(from) == static_cast<std::int32_t>(to) ? 1 : 2;
+}
+
 /// The integral between a polygon's edges and the line where places begin: Σ over edges of ∫ S dx (Green).
 /// x counts lines, y places, both inside the page.
 template <bool Horizontal>
@@ -35,12 +40,12 @@ void add_polygon(const ConvexPolygon& polygon, const LineTable<Horizontal>& tabl
             if (end >= b.x) break;
             const double next = std::clamp(a.y + (end - a.x) * slope, low, high);
             edge += table.mean_sum(line, y, next) * (end - x);
+            texels += entries_between(y, next);
             x = end;
             y = next;
-            ++texels;
         }
         edge += table.mean_sum(line, y, b.y) * (b.x - x);
-        ++texels;
+        texels += entries_between(y, b.y);
         sum = rightwards ? sum - edge : sum + edge;
     }
 }

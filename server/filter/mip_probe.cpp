@@ -1,6 +1,9 @@
 #include "server/filter/mip_probe.h"
 
+#include <algorithm>
 #include <bit>
+
+#include "server/filter/each_footprint.h"
 
 namespace tessera {
 
@@ -20,6 +23,9 @@ Between between(int level, std::int64_t texel, double in_texel) noexcept {
     const std::int64_t rest = from & ((std::int64_t{1} << level) - 1);
     return {from >> level, static_cast<float>((static_cast<double>(rest) + in_texel) * halved(level))};
 }
+
+Floats4 least_of(Floats4 a, Floats4 b) noexcept { return a < b ? a : b; }
+Floats4 most_of(Floats4 a, Floats4 b) noexcept { return a > b ? a : b; }
 
 }  // namespace
 
@@ -58,8 +64,26 @@ Floats4 MipProbe::bilinear(int level, const LatticePoint& at, Reading& reading) 
         c = texel(x.first, y.first + 1);
         d = texel(x.first + 1, y.first + 1);
     }
+    if (level == 0) {
+        first_x_ = x.first;
+        first_y_ = y.first;
+        least_ = least_of(least_of(a, b), least_of(c, d));
+        most_ = most_of(most_of(a, b), most_of(c, d));
+    }
     const Floats4 upper = a + (b - a) * x.share, lower = c + (d - c) * x.share;
     return upper + (lower - upper) * y.share;
+}
+
+double MipProbe::bound_of_four(const Footprint& footprint, const Doubles4& steps) const noexcept {
+    const FootprintBox box = box_of(footprint);
+    if (footprint.x + floor_of(box.left) < first_x_ || footprint.x + floor_of(box.right) > first_x_ + 1 ||
+        footprint.y + floor_of(box.top) < first_y_ || footprint.y + floor_of(box.bottom) > first_y_ + 1)
+        return bound_of_any(steps);
+    double furthest = 0;
+    for (int c = 0; c < 4; ++c)
+        furthest = std::max(
+            {furthest, steps[c] - static_cast<double>(least_[c]), static_cast<double>(most_[c]) - steps[c]});
+    return furthest * (255.0 / 65535.0);
 }
 
 Floats4 MipProbe::trilinear(double lod, const LatticePoint& at, Reading& reading) {

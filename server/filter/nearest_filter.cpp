@@ -16,7 +16,11 @@ class NearestFilter {
         const Doubles4 steps{
             load_steps(texels_.at(0, at.x >> 8, at.y >> 8, reading).texel(at.x & 255, at.y & 255))};
         reading.texels = 1;
-        return {steps, bound_of_any(steps)};
+        // A footprint inside the texel has its colour and no other
+        const FootprintBox box = box_of(footprint);
+        const bool inside =
+            floor_of(box.left) == floor_of(box.right) && floor_of(box.top) == floor_of(box.bottom);
+        return {steps, inside ? 0.0 : bound_of_any(steps)};
     }
 
   private:

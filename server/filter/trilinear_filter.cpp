@@ -17,7 +17,7 @@ class TrilinearFilter {
         const double square = axes.major.x * axes.major.x + axes.major.y * axes.major.y;
         const double lod = square > 1 ? log2_of(square) / 2 : 0;
         const Doubles4 steps{probe_.trilinear(lod, lattice_point(footprint, axes.centre), reading)};
-        return {steps, bound_of_any(steps)};
+        return {steps, lod > 0 ? bound_of_any(steps) : probe_.bound_of_four(footprint, steps)};
     }
 
   private:
