@@ -23,7 +23,7 @@ struct Append {
     EditId id;
     std::string bytes;  ///< What the journal keeps and compares, and never reads: the canonical edit.
     /// The newest revision that the client knew when it drew the id; a retry says it again. It is what tells
-    /// a late retry of an edit that the journal has forgotten from a new edit.
+    /// a late retry of an edit that the journal has forgotten from a new edit, whatever `expected` says.
     Revision known = 0;
     /// Accepted only while this is the head, for an edit that must not overlook another.
     std::optional<Revision> expected;

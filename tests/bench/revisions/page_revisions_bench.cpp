@@ -33,6 +33,12 @@ PageRevisions revisions_of(const std::vector<TexelBox>& boxes, std::size_t memor
     return revisions;
 }
 
+/// Of 300,000 edits, made once.
+const PageRevisions& many_revisions() {
+    static const PageRevisions revisions = revisions_of(sprites(300'000), std::size_t{1} << 30);
+    return revisions;
+}
+
 /// Edits in new places, all of which are remembered one by one.
 void mark_new_places(benchmark::State& state) {
     const auto boxes = sprites(static_cast<std::size_t>(state.range(0)));
@@ -62,7 +68,7 @@ BENCHMARK(mark_with_joining)->Unit(benchmark::kMillisecond);
 
 /// One sprite of many is dragged about; a scene keeps a copy of each state for a while.
 void mark_a_drag(benchmark::State& state) {
-    PageRevisions revisions = revisions_of(sprites(300'000), std::size_t{1} << 30);
+    PageRevisions revisions = many_revisions();
     PageRevisions kept;
     Revision revision = 300'000;
     const std::size_t before = revisions.used_bytes();
@@ -81,7 +87,7 @@ BENCHMARK(mark_a_drag)->ArgName("with_copies")->Arg(0)->Arg(1);
 
 void look_up(benchmark::State& state) {
     const auto boxes = sprites(300'000);
-    const PageRevisions revisions = revisions_of(boxes, std::size_t{1} << 30);
+    const PageRevisions& revisions = many_revisions();
     const auto level = static_cast<std::uint8_t>(state.range(0));
     const auto gutter = static_cast<std::int32_t>(state.range(1));
     std::size_t i = 0;

@@ -269,6 +269,32 @@ TEST_F(OpeningAJournal, SaysHowFarItIsAndCanBeStopped) {
     EXPECT_EQ(stopped.error().code, ErrorCode::cancelled);
 }
 
+TEST_F(OpeningAJournal, GivesRoomBackThatItNoLongerNeeds) {
+    const auto file_bytes = [&] { return std::filesystem::file_size(folder_ / "journal.db"); };
+    {
+        const auto journal = open().value();
+        for (std::uint64_t n = 0; n < 8000; n += 2000) {
+            std::vector<Append> batch;
+            for (std::uint64_t i = n; i < n + 2000; ++i) batch.push_back(edit(i, std::string(2000, 'x')));
+            append_and_wait(*journal, batch);
+        }
+        ASSERT_TRUE(keep_snapshot_and_wait(*journal, {7999, ""}));
+        ASSERT_TRUE(keep_snapshot_and_wait(*journal, {8000, ""}));
+    }
+    EXPECT_GT(file_bytes(), 16'000'000u);
+    {
+        JournalOptions options = scene_options();
+        options.horizon.revisions = 10;
+        auto journal = open(options).value();
+        for (int i = 0; i < 2000 && journal->status().oldest != 7991; ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds{5});
+        EXPECT_EQ(journal->status().oldest, 7991u);
+        std::this_thread::sleep_for(std::chrono::seconds{1});  // what is idle tidies up
+    }
+    EXPECT_LT(file_bytes(), 8'000'000u);
+    EXPECT_EQ(open().value()->status().head, 8000u);
+}
+
 TEST_F(OpeningAJournal, ADamagedSnapshotGivesWayToTheOneBefore) {
     fill(20);
     {
