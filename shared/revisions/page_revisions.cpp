@@ -68,11 +68,9 @@ void PageRevisions::make_room() {
         }
         if (const auto cell = detail::next_to_join(*root_, hand)) {
             detail::join(root_, *cell);
-            joined_any_ = true;
         } else if (hand.visits >= 0) {
-            // Once around: where nothing was small enough, the smallest that there was
-            if (!joined_any_) hand.joined_log2 = std::max(hand.joined_log2, hand.passed_log2);
-            joined_any_ = false;
+            // Once around, and it was not enough: the smallest that was passed as well
+            if (hand.passed_log2 <= detail::plane_log2) hand.joined_log2 = hand.passed_log2;
             hand = {0, 0, hand.joined_log2, 255, hand.visits};
         }
     }

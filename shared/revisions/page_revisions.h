@@ -57,7 +57,6 @@ class PageRevisions {
     // How far joining has come: the last place along the tree's order, and the size of cells that are joined
     std::uint64_t hand_x_ = 0, hand_y_ = 0;
     std::uint8_t joined_log2_ = 8, passed_log2_ = 255;
-    bool joined_any_ = false;
 };
 
 }  // namespace tessera

@@ -93,7 +93,6 @@ std::string PageRevisions::save() const {
     put(bytes, hand_y_, 5);
     put(bytes, joined_log2_, 1);
     put(bytes, passed_log2_, 1);
-    put(bytes, joined_any_ ? 1 : 0, 1);
     put(bytes, root_ ? 1 : 0, 1);
     if (root_) put_node(bytes, *root_);
     return bytes;
@@ -108,9 +107,8 @@ Result<PageRevisions> PageRevisions::load(std::string_view bytes, std::size_t me
     revisions.hand_y_ = reader.take(5);
     revisions.joined_log2_ = static_cast<std::uint8_t>(reader.take(1));
     revisions.passed_log2_ = static_cast<std::uint8_t>(reader.take(1));
-    const std::uint64_t joined_any = reader.take(1), rooted = reader.take(1);
-    revisions.joined_any_ = joined_any != 0;
-    if (revisions.joined_log2_ < 8 || joined_any > 1 || rooted > 1) return nonsense;
+    const std::uint64_t rooted = reader.take(1);
+    if (revisions.joined_log2_ < 8 || rooted > 1) return nonsense;
     if (rooted != 0) revisions.root_ = take_node(reader, {0, 0, detail::plane_log2});
     if (reader.bad || !reader.bytes.empty()) return nonsense;
     return revisions;
