@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "server/accuracy/commands.h"
 #include "server/bake/commands.h"
 #include "server/compare/commands.h"
 #include "server/http/commands.h"
@@ -22,6 +23,7 @@ int main(int argc, char** argv) {
     tessera::add_prepare_command(app, exit_code);   // prepare, report
     tessera::add_bake_commands(app, exit_code);     // page, bake, check
     tessera::add_compare_commands(app, exit_code);  // quality, compare
+    tessera::add_accuracy_command(app, exit_code);  // accuracy
     tessera::add_scenes_command(app, exit_code);    // samples
     tessera::add_import_command(app, exit_code);    // import
     try {
