@@ -110,6 +110,7 @@ void ExactFilter::add_row(const Shape& shape, const Frame& frame, std::int64_t y
         const std::int64_t end = std::min(row.last, ((page_x + 1) << 8) - frame.x);
         const std::uint16_t* texel = texels_.at(frame.level, page_x, page_y, *reading_)
                                          .texel((frame.x + x) & 255, (frame.y + y) & 255);
+        __builtin_prefetch(texel + std::ptrdiff_t{16} * 4 * page_side_texels);
         while (x < end) {
             covered += steps[x];
             const bool whole = covered > 1 - 1e-9;
@@ -232,22 +233,16 @@ Estimate ExactFilter::operator()(const Footprint& footprint, Reading& reading) {
         outline /= 2;
     }
 
-    const Frame frame{(footprint.x + floor_of(box.left)) >> level, (footprint.y + floor_of(box.top)) >> level,
-                      level};
-    const double scale = halved(level);
-    const auto left = static_cast<double>(footprint.x - frame.x * (std::int64_t{1} << level)),
-               top = static_cast<double>(footprint.y - frame.y * (std::int64_t{1} << level));
+    const LocalFrame frame{footprint, box, level, level};
     ConvexPolygon polygon;
     polygon.count = 4;
-    for (std::size_t k = 0; k < 4; ++k)
-        polygon.corners[k] = {(footprint.corners[k].x + left) * scale,
-                              (footprint.corners[k].y + top) * scale};
+    for (std::size_t k = 0; k < 4; ++k) polygon.corners[k] = frame(footprint.corners[k]);
     const auto cross = [&](int a, int b) {
         const TexelPoint p = polygon.corners[a], q = polygon.corners[b], o = polygon.corners[0];
         return (p.x - o.x) * (q.y - o.y) - (p.y - o.y) * (q.x - o.x);
     };
     if (cross(1, 2) + cross(2, 3) < 0) std::swap(polygon.corners[1], polygon.corners[3]);
-    add(polygon, frame, 0);
+    add(polygon, {frame.x, frame.y, level}, 0);
     if (!(area_ > 0)) return along_segment(footprint, false);
 
     Estimate estimate{sum_ * (1 / area_)};

@@ -58,4 +58,25 @@ inline FootprintBox box_of(const Footprint& footprint) noexcept {
     return box;
 }
 
+/// Counts texels of a level from the corner of the square of 2^shift texels of level 0 (shift >= level) in
+/// which a footprint's box begins: small numbers, wherever the footprint lies.
+struct LocalFrame {
+    std::int64_t x = 0, y = 0;  ///< Which square.
+    double left = 0, top = 0;   ///< From its corner to the footprint's origin, in texels of level 0.
+    double scale = 1;           ///< Texels of the level in one of level 0.
+
+    LocalFrame(const Footprint& footprint, const FootprintBox& box, int level, int shift) noexcept
+        : x{(footprint.x + floor_of(box.left)) >> shift},
+          y{(footprint.y + floor_of(box.top)) >> shift},
+          left{static_cast<double>(footprint.x - x * (std::int64_t{1} << shift))},
+          top{static_cast<double>(footprint.y - y * (std::int64_t{1} << shift))},
+          scale{halved(level)} {}
+
+    double across(double from_origin) const noexcept { return (from_origin + left) * scale; }
+    double down(double from_origin) const noexcept { return (from_origin + top) * scale; }
+    TexelPoint operator()(TexelPoint from_origin) const noexcept {
+        return {across(from_origin.x), down(from_origin.y)};
+    }
+};
+
 }  // namespace tessera

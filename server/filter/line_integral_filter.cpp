@@ -57,26 +57,21 @@ Estimate LineIntegralFilter::walk(const Footprint& footprint, int level, Reading
                                   PageTables<LineTable<Horizontal>>& tables) {
     // Corners in texels of the level, from the corner of the first page; x counts lines
     const FootprintBox box = box_of(footprint);
-    const int shift = level + 8;
-    const std::int64_t page_x = (footprint.x + floor_of(box.left)) >> shift,
-                       page_y = (footprint.y + floor_of(box.top)) >> shift;
-    const auto left = static_cast<double>(footprint.x - page_x * (std::int64_t{1} << shift)),
-               top = static_cast<double>(footprint.y - page_y * (std::int64_t{1} << shift));
-    const double scale = halved(level);
+    const LocalFrame frame{footprint, box, level, level + 8};
     ConvexPolygon polygon;
     polygon.count = 4;
     for (std::size_t k = 0; k < 4; ++k) {
-        const double x = (footprint.corners[k].x + left) * scale, y = (footprint.corners[k].y + top) * scale;
-        polygon.corners[k] = Horizontal ? TexelPoint{y, x} : TexelPoint{x, y};
+        const TexelPoint p = frame(footprint.corners[k]);
+        polygon.corners[k] = Horizontal ? TexelPoint{p.y, p.x} : p;
     }
     const auto& c = polygon.corners;
     const double area = ((c[2].x - c[0].x) * (c[3].y - c[1].y) - (c[2].y - c[0].y) * (c[3].x - c[1].x)) / 2;
 
     Doubles4 sum;
-    const double right = (box.right + left) * scale, bottom = (box.bottom + top) * scale;
+    const double right = frame.across(box.right), bottom = frame.down(box.bottom);
     constexpr double side = page_side_texels;
     if (right <= side && bottom <= side) {
-        add_polygon(polygon, tables.at(level, page_x, page_y, reading), sum, reading.texels);
+        add_polygon(polygon, tables.at(level, frame.x, frame.y, reading), sum, reading.texels);
     } else {
         // Page after page, each with the part of the footprint that lies in it
         ConvexPolygon row, rest, part;
@@ -93,7 +88,7 @@ Estimate LineIntegralFilter::walk(const Footprint& footprint, int level, Reading
                     part.corners[k].x -= Horizontal ? upper : first;
                     part.corners[k].y -= Horizontal ? first : upper;
                 }
-                add_polygon(part, tables.at(level, page_x + i, page_y + j, reading), sum, reading.texels);
+                add_polygon(part, tables.at(level, frame.x + i, frame.y + j, reading), sum, reading.texels);
             }
         }
     }
@@ -102,7 +97,7 @@ Estimate LineIntegralFilter::walk(const Footprint& footprint, int level, Reading
     if (level > 0) {
         // A texel of the outline of which c is covered may hide c·(1 − c) of itself; an outline crosses at
         // most one texel more than lines and places that it passes, for each side
-        const double crossed = 2 * (box.width() + box.height()) * scale + 4;
+        const double crossed = 2 * (box.width() + box.height()) * frame.scale + 4;
         estimate.bound_codes = std::min(crossed / 4 / std::fabs(area) * 255, bound_of_any(estimate.steps));
     }
     return estimate;

@@ -56,20 +56,15 @@ class SummedAreaFilter {
         const int level = level_of_at_most(std::max(box.width(), box.height()), most_side);
 
         // In texels of the level, from the corner of the first page
-        const int shift = level + 8;
-        const std::int64_t page_x = (footprint.x + floor_of(box.left)) >> shift,
-                           page_y = (footprint.y + floor_of(box.top)) >> shift;
-        const auto left = static_cast<double>(footprint.x - page_x * (std::int64_t{1} << shift)),
-                   top = static_cast<double>(footprint.y - page_y * (std::int64_t{1} << shift));
-        const double scale = halved(level);
-        const double x0 = (box.left + left) * scale, x1 = (box.right + left) * scale,
-                     y0 = (box.top + top) * scale, y1 = (box.bottom + top) * scale;
+        const LocalFrame frame{footprint, box, level, level + 8};
+        const double x0 = frame.across(box.left), x1 = frame.across(box.right), y0 = frame.down(box.top),
+                     y1 = frame.down(box.bottom);
         constexpr double side = page_side_texels;
         Doubles4 sum;
         for (std::int64_t j = 0; static_cast<double>(j) * side < y1; ++j)
             for (std::int64_t i = 0; static_cast<double>(i) * side < x1; ++i) {
                 const double u = static_cast<double>(i) * side, v = static_cast<double>(j) * side;
-                const PageSums& table = tables_.at(level, page_x + i, page_y + j, reading);
+                const PageSums& table = tables_.at(level, frame.x + i, frame.y + j, reading);
                 const double from_x = std::max(x0 - u, 0.0), to_x = std::min(x1 - u, side),
                              from_y = std::max(y0 - v, 0.0), to_y = std::min(y1 - v, side);
                 sum += table.before(to_x, to_y) - table.before(from_x, to_y) -

@@ -33,14 +33,11 @@ SupersamplingFilter::Map SupersamplingFilter::map_of(const Footprint& footprint)
     const FootprintBox box = box_of(footprint);
     Map map;
     map.level = level_of_at_most(std::max(box.width(), box.height()), most_side);
-    const std::int64_t base_x = (footprint.x + floor_of(box.left)) >> map.level,
-                       base_y = (footprint.y + floor_of(box.top)) >> map.level;
-    map.x = base_x;
-    map.y = base_y;
-    const double scale = halved(map.level);
-    const auto left = static_cast<double>(footprint.x - base_x * (std::int64_t{1} << map.level)),
-               top = static_cast<double>(footprint.y - base_y * (std::int64_t{1} << map.level));
-    map.at = {(c[0].x + left) * scale, (c[0].y + top) * scale};
+    const LocalFrame frame{footprint, box, map.level, map.level};
+    map.x = frame.x;
+    map.y = frame.y;
+    map.at = frame(c[0]);
+    const double scale = frame.scale;
     map.along = {(c[1].x - c[0].x) * scale, (c[1].y - c[0].y) * scale};
     map.across = {(c[3].x - c[0].x) * scale, (c[3].y - c[0].y) * scale};
     map.twist = {(c[2].x - c[3].x) * scale - map.along.x, (c[2].y - c[3].y) * scale - map.along.y};
