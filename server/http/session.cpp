@@ -130,7 +130,8 @@ Task<Session::ReadEnd> Session::read_body(std::size_t head_bytes, const RequestH
     const std::size_t length = request.body_bytes;
     const Clock::time_point last = Clock::now() + context_.limits.body_time;
     const std::size_t here = std::min(length, input_.size() - head_bytes);
-    if (!share.take(here)) co_return ReadEnd::overloaded;
+    std::size_t room = std::min(length, std::max(here, body_step_bytes));
+    if (!share.take(room)) co_return ReadEnd::overloaded;
     body = input_.substr(head_bytes, here);
     input_.erase(head_bytes, here);
     if (request.expects_continue && here == 0 && length != 0) {
@@ -141,13 +142,17 @@ Task<Session::ReadEnd> Session::read_body(std::size_t head_bytes, const RequestH
         if (std::exchange(expired_, false) || failure) co_return ReadEnd::closed;
     }
     while (body.size() < length) {
-        const std::size_t had = body.size(), room = std::min(body_step_bytes, length - had);
-        if (!share.take(room)) co_return ReadEnd::overloaded;
-        body.resize(had + room);
-        for (std::size_t at = had; at < had + room;) {
+        std::size_t at = body.size();
+        if (at == room) {
+            const std::size_t more = std::min(body_step_bytes, length - at);
+            if (!share.take(more)) co_return ReadEnd::overloaded;
+            room += more;
+        }
+        body.resize(room);
+        while (at < room) {
             deadline_ = std::min(Clock::now() + context_.limits.write_time, last);
             const auto [failure, count] =
-                co_await socket_.async_read_some(asio::buffer(body.data() + at, had + room - at), as_tuple);
+                co_await socket_.async_read_some(asio::buffer(body.data() + at, room - at), as_tuple);
             if (std::exchange(expired_, false)) co_return ReadEnd::too_slow;
             if (failure) co_return ReadEnd::closed;
             at += count;

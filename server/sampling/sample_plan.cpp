@@ -5,29 +5,38 @@
 namespace tessera {
 namespace {
 
-/// Only filters whose bounds say something about the footprint; see README.md for what each step costs.
-std::vector<SampleStep> ladder() {
-    const FootprintFilter line{.kind = FilterKind::line_integral, .direction = LineDirection::best};
-    const FootprintFilter exact{.kind = FilterKind::exact};
-    return {
-        {line, Accuracy::fast}, {exact, Accuracy::fast}, {exact, Accuracy::high}, {exact, Accuracy::exact}};
-}
+/// Only filters whose bounds say something of a footprint. Measured on footprints of 16 to 2,000 texels a
+/// side (README.md): a line integral costs a third of the exact filter and less, one of few lines a tenth of
+/// that.
+constexpr FootprintFilter few_lines{.kind = FilterKind::line_integral, .lines = 128},
+    all_lines{.kind = FilterKind::line_integral}, exact{.kind = FilterKind::exact};
+
+/// A line integral of so few lines is within this of the truth only where footprints are compact.
+constexpr double few_lines_codes = 2;
 
 }  // namespace
 
 SamplePlan choose_filter(const std::optional<FootprintFilter>& filter, Accuracy accuracy,
                          std::optional<double> max_error) {
     if (filter) return {{{*filter, accuracy}}, 0};
-    if (max_error) return {ladder(), *max_error};
+    if (max_error) {
+        SamplePlan plan{{}, *max_error};
+        if (*max_error >= few_lines_codes) plan.steps.push_back({few_lines, Accuracy::fast});
+        plan.steps.insert(plan.steps.end(), {{all_lines, Accuracy::fast},
+                                             {exact, Accuracy::fast},
+                                             {exact, Accuracy::high},
+                                             {exact, Accuracy::exact}});
+        return plan;
+    }
     switch (accuracy) {
         case Accuracy::fast:
-            return {ladder(), fast_enough_codes};
+            return {{{few_lines, Accuracy::fast}, {all_lines, Accuracy::fast}}, fast_enough_codes};
         case Accuracy::high:
-            return {ladder(), high_enough_codes};
+            return {{{all_lines, Accuracy::high}}, 0};
         case Accuracy::exact:
             break;
     }
-    return {{{{.kind = FilterKind::exact}, Accuracy::exact}}, 0};
+    return {{{exact, Accuracy::exact}}, 0};
 }
 
 Result<void> sample_by(const SamplePlan& plan, std::span<const Footprint> footprints, const RunStep& run,

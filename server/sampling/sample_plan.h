@@ -26,13 +26,19 @@ struct SamplePlan {
     double enough_codes = 0;
 };
 
-/// What `accuracy` is worth where no error limit is given, in codes: `fast` must look right, `high` must not
-/// be told from exact in an 8-bit picture. `exact` is the exact filter on exact texels, at once.
-inline constexpr double fast_enough_codes = 4, high_enough_codes = 0.5;
-
-/// A filter that is asked for by name is the only step, on texels of this accuracy.
+/// A filter that is asked for by name is the only step, on texels of this accuracy. An error limit is worth
+/// any filter, up to exact ones on exact texels, which may take milliseconds for a footprint of millions of
+/// texels. Without one, what a footprint may cost has an end:
+///  - exact: the exact filter on exact texels, at once.
+///  - high: a line integral on `high` texels. Within 0.002 codes of the texels' own bound for footprints of
+///  up to
+///    1,024 lines; beyond that of a coarser level, within a few codes.
+///  - fast: a line integral of at most 128 lines on `fast` texels, and of 1,024 where that is off by more
+///  than
+///    `fast_enough_codes`.
 SamplePlan choose_filter(const std::optional<FootprintFilter>& filter, Accuracy accuracy,
                          std::optional<double> max_error);
+inline constexpr double fast_enough_codes = 4;
 
 /// Samples `footprints` as the plan says: each starts at the first step and goes on to the next only where
 /// its bound is too large. `samples[i].texels` counts every try; `steps_taken[i]` is the index of the step

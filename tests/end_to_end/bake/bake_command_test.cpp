@@ -73,6 +73,26 @@ TEST_F(BakeCommands, PageWritesTheSameBytesEveryTime) {
     EXPECT_EQ(fs::file_size(folder_ / "a.rgba"), 256u * 256 * 4);
 }
 
+TEST_F(BakeCommands, AnErrorLimitIsKeptOrTheExitCodeSaysSo) {
+    const Outcome loose = run("page board 3 1 2 --max-error 0.5 -o limited.png");
+    EXPECT_EQ(loose.exit_code, 0) << loose.output;
+    EXPECT_TRUE(fs::exists(folder_ / "limited.png"));
+    EXPECT_EQ(run("bake board --region 0,0,64,64 --max-error 1 -o limited.exr").exit_code, 0);
+    const Outcome number = run("page board 3 1 2 --max-error lots -o limited.png");
+    EXPECT_EQ(number.exit_code, 1);
+    EXPECT_THAT(number.output, HasSubstr("--max-error: \"lots\" is not a number of 8-bit codes"));
+    const Outcome both = run("page board 3 1 2 --max-error 1 --accuracy fast -o limited.png");
+    EXPECT_EQ(both.exit_code, 2);
+    tessera::ExchangeAsset asset = tessera::tests::make_synthetic_asset({});
+    fs::create_directory(folder_ / "ground");
+    ASSERT_TRUE(tessera::write_exchange_asset(folder_ / "ground" / "asset", asset, {}));
+    write("ground/scene.json", R"({"content_exchange": {"asset": "asset", "types": 64}})");
+    const Outcome never = run("page ground 3 1 2 --max-error 0 -o never.png");
+    EXPECT_EQ(never.exit_code, 1);
+    EXPECT_THAT(never.output, HasSubstr("never.png: written, but its bound is"));
+    EXPECT_TRUE(fs::exists(folder_ / "never.png"));
+}
+
 TEST_F(BakeCommands, BakeWritesTheTexelsOfTheRegion) {
     ASSERT_EQ(run("bake board --region=-16,0,5000,70 -o wide.png").exit_code, 0);
     OIIO::ImageSpec spec;

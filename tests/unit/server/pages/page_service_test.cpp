@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "server/texture/constant_texture.h"
+#include "tests/unit/server/pages/stepped_texture.h"
 #include "tests/unit/server/pages/test_textures.h"
 
 namespace tessera {
@@ -229,23 +230,8 @@ TEST_F(PageServiceTest, GivesTheSameBytesFromOneThreadAndFromEight) {
 }
 
 TEST_F(PageServiceTest, TakesTheCheapestAccuracyWhoseBoundKeepsTheLimit) {
-    // Grey by its accuracy, with a bound of 4, 1 and 0.25 codes
-    class Stepped final : public Texture {
-      public:
-        using Texture::evaluate;
-        Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
-                                    LinearImage& out) const override {
-            const bool fast = budget.accuracy == Accuracy::fast, exact = budget.accuracy == Accuracy::exact;
-            out = LinearImage{region.width, region.height};
-            std::fill(out.values.begin(), out.values.end(), fast ? 0.1F : exact ? 0.9F : 0.5F);
-            return Evaluation{name_of(budget.accuracy), fast ? 4 : exact ? 0.25 : 1.0, exact ? 1 : 0.99, 10};
-        }
-        std::string_view kind() const noexcept override { return "stepped"; }
-        std::string description() const override { return "stepped"; }
-        std::size_t memory_bytes() const noexcept override { return 0; }
-    };
     PageService pages{{}, registry};
-    const ScenePtr stepped = make_scene("stepped", std::make_shared<Stepped>());
+    const ScenePtr stepped = make_scene("stepped", std::make_shared<test::SteppedTexture>());
     const auto within = [&](std::optional<ErrorLimit> limit) {
         PageRequest request{stepped, {}, {}, {}};
         request.options.max_error = limit;

@@ -28,16 +28,25 @@ TEST(ChooseFilter, ExactIsTheExactFilterOnExactTexelsAtOnce) {
     EXPECT_EQ(plan.steps, (std::vector<SampleStep>{{exact, Accuracy::exact}}));
 }
 
-TEST(ChooseFilter, EveryBudgetEndsWithExact) {
-    for (const SamplePlan& plan :
-         {choose_filter({}, Accuracy::fast, {}), choose_filter({}, Accuracy::high, {}),
-          choose_filter({}, Accuracy::exact, 0.01)}) {
-        EXPECT_GT(plan.steps.size(), 2u);
+TEST(ChooseFilter, AnErrorLimitIsWorthAnyFilterUpToExactOnesOnExactTexels) {
+    for (const double codes : {0.0, 0.01, 5.0}) {
+        const SamplePlan plan = choose_filter({}, Accuracy::fast, codes);
+        EXPECT_EQ(plan.enough_codes, codes);
+        EXPECT_GT(plan.steps.size(), 3u);
         EXPECT_EQ(plan.steps.back(), (SampleStep{exact, Accuracy::exact}));
+        EXPECT_EQ(plan.steps.front().texels, Accuracy::fast);
     }
-    EXPECT_EQ(choose_filter({}, Accuracy::exact, 0.01).enough_codes, 0.01);
-    EXPECT_GT(choose_filter({}, Accuracy::fast, {}).enough_codes,
-              choose_filter({}, Accuracy::high, {}).enough_codes);
+    // What few lines can keep they try first
+    EXPECT_GT(choose_filter({}, Accuracy::high, 5).steps.size(),
+              choose_filter({}, Accuracy::high, 0.5).steps.size());
+}
+
+TEST(ChooseFilter, WithoutALimitTheCostHasAnEnd) {
+    for (const Accuracy accuracy : {Accuracy::fast, Accuracy::high})
+        for (const SampleStep& step : choose_filter({}, accuracy, {}).steps) {
+            EXPECT_EQ(step.filter.kind, FilterKind::line_integral);
+            EXPECT_EQ(step.texels, accuracy);
+        }
 }
 
 TEST(SampleBy, GoesOnOnlyWhereTheBoundIsTooLarge) {
