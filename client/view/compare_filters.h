@@ -18,7 +18,7 @@ struct CompareJob {
     int width = 800;  ///< Pixels of each picture, 16 to 8192
     int height = 700;
     std::filesystem::path folder;  ///< Made if need be
-    int rounds = 5;                ///< Frames of each filter that are timed, in turn with the others'
+    int rounds = 3;                ///< Frames of each filter that are timed, in turn with the others'
     std::string command;           ///< That makes the report again
 };
 

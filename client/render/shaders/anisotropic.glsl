@@ -2,21 +2,19 @@
 // level of its shorter one. The reference for what "16x" means: drivers differ, and software ones more so.
 const float MAX_PROBES = 16.0;
 
-vec4 probes_of_level(int level, Footprint footprint, vec2 side, float probes) {
-    Near found = find_near(level, footprint.centre, 0.5 * abs(side));
+// The sum of the probes on a level whose page under the centre serves for all of them; else nothing
+vec4 near_probes(Near found, vec2 side, float probes) {
     vec4 sum = vec4(0.0);
-    // Two loops, since a software rasteriser runs what it skips too
-    float near_probes = found.serves ? probes : 0.0, far_probes = probes - near_probes;
-    vec2 step = side / (probes + 1.0);
     Place place = found.place;
-    place.texel -= 0.5 * inverse_power_of_two(place.level) * side;
-    for (float probe = 1.0; probe <= near_probes; ++probe) {
-        place.texel += inverse_power_of_two(place.level) * step;
+    float scale = inverse_power_of_two(place.level);
+    vec2 step = scale / (probes + 1.0) * side;
+    place.texel -= 0.5 * scale * side;
+    float last = found.serves ? probes : 0.0;
+    for (float probe = 1.0; probe <= last; ++probe) {
+        place.texel += step;
         sum += bilinear_at(place);
     }
-    for (float probe = 1.0; probe <= far_probes; ++probe)
-        sum += sample_level(level, footprint.centre - 0.5 * side + probe * step);
-    return sum / probes;
+    return sum;
 }
 
 float anisotropic_probes(Footprint footprint) {
@@ -27,9 +25,20 @@ vec4 anisotropic(Footprint footprint, out float level) {
     float probes = anisotropic_probes(footprint);
     level = clamped_level(log2(footprint.longer / probes));
     vec2 side = dot(footprint.dx, footprint.dx) > dot(footprint.dy, footprint.dy) ? footprint.dx : footprint.dy;
-    int finer = int(floor(level));
-    return mix(probes_of_level(finer, footprint, side, probes),
-               probes_of_level(min(finer + 1, top_level), footprint, side, probes), level - float(finer));
+    int finer = int(floor(level)), coarser = min(finer + 1, top_level);
+    Near fine = find_near(finer, footprint.centre, 0.5 * abs(side));
+    Near coarse = find_near(coarser, footprint.centre, 0.5 * abs(side));
+    float weight = level - float(finer);
+    vec4 sum = mix(near_probes(fine, side, probes), near_probes(coarse, side, probes), weight);
+    // The rest: one loop for both levels, since a software rasteriser runs what it skips too
+    float first = fine.serves ? probes : 0.0, last = coarse.serves ? probes : 2.0 * probes;
+    for (float index = first; index < last; ++index) {
+        bool is_coarse = index >= probes;
+        float probe = is_coarse ? index - probes + 1.0 : index + 1.0;
+        sum += (is_coarse ? weight : 1.0 - weight) *
+               sample_level(is_coarse ? coarser : finer, footprint.centre + (probe / (probes + 1.0) - 0.5) * side);
+    }
+    return sum / probes;
 }
 
 // The driver's own, on the levels that the formula would take

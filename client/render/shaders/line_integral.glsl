@@ -35,25 +35,31 @@ float line_integral_level(float across, float along) {
 
 // Corners in texels of the cell's layer; columns are along its first axis. Adds up area × colour, and area.
 void add_cell(vec2 corners[4], vec2 low, vec2 high, int layer, float parts, inout vec4 sum, inout float area) {
-    vec4 slope;
+    // A convex outline: y lies above all of its sides that run one way, and below those that run the other
+    vec4 floor_at = vec4(-1e30), floor_slope = vec4(0.0), ceiling_at = vec4(1e30), ceiling_slope = vec4(0.0);
+    vec2 first_diagonal = corners[2] - corners[0], second_diagonal = corners[3] - corners[1];
+    bool turns_left = first_diagonal.x * second_diagonal.y > first_diagonal.y * second_diagonal.x;
     for (int i = 0; i < 4; ++i) {
         vec2 side = corners[(i + 1) & 3] - corners[i];
-        slope[i] = side.y / (side.x == 0.0 ? 1.0 : side.x);
+        float slope = side.y / (side.x == 0.0 ? 1.0 : side.x);
+        float at = corners[i].y - corners[i].x * slope;
+        bool is_below = (side.x > 0.0) == turns_left;
+        if (side.x != 0.0 && is_below) {
+            floor_at[i] = at;
+            floor_slope[i] = slope;
+        }
+        if (side.x != 0.0 && !is_below) {
+            ceiling_at[i] = at;
+            ceiling_slope[i] = slope;
+        }
     }
     for (float part = floor(low.x * parts); part < high.x * parts; ++part) {
         float left = max(part / parts, low.x), right = min((part + 1.0) / parts, high.x);
         float x = 0.5 * (left + right);
         // Where the quadrilateral begins and ends on this line
-        float begin = 1e30, end = -1e30;
-        for (int i = 0; i < 4; ++i) {
-            vec2 a = corners[i], b = corners[(i + 1) & 3];
-            if ((a.x <= x) == (b.x <= x)) continue;
-            float y = a.y + (x - a.x) * slope[i];
-            begin = min(begin, y);
-            end = max(end, y);
-        }
-        begin = clamp(begin, low.y, high.y);
-        end = clamp(end, low.y, high.y);
+        vec4 floors = floor_at + x * floor_slope, ceilings = ceiling_at + x * ceiling_slope;
+        float begin = max(max(max(floors.x, floors.y), max(floors.z, floors.w)), low.y);
+        float end = min(min(min(ceilings.x, ceilings.y), min(ceilings.z, ceilings.w)), high.y);
         if (end <= begin || right <= left) continue;
         vec2 texel = min(floor(vec2(begin, end)), 255.0);
         int column = int(x);
@@ -81,8 +87,13 @@ vec4 line_integral(Footprint footprint, out float shown_level) {
     bool upright = size.y >= size.x;
     float across = upright ? size.x : size.y;
     shown_level = line_integral_level(across, upright ? size.y : size.x);
-    bool is_beyond_levels = shown_level > float(top_level);
+    // Larger than the coarsest level resolves: its middle stands for all of it
+    float shrink = min(1.0, inverse_power_of_two(int(min(shown_level, 100.0)) - top_level));
     shown_level = min(shown_level, float(top_level));
+    for (int i = 0; i < 4; ++i) corners[i] = footprint.centre + shrink * (corners[i] - footprint.centre);
+    low = footprint.centre + shrink * (low - footprint.centre);
+    high = footprint.centre + shrink * (high - footprint.centre);
+    across *= shrink;
     int level = int(shown_level);
     float scale = inverse_power_of_two(level);
     vec2 offset = origin_offset(level);
@@ -100,7 +111,7 @@ vec4 line_integral(Footprint footprint, out float shown_level) {
 
     vec4 sum = vec4(0.0);
     float area = 0.0;
-    vec2 first = floor(low / PAGE_SIDE), last = is_beyond_levels ? first - 1.0 : floor(high / PAGE_SIDE);
+    vec2 first = floor(low / PAGE_SIDE), last = floor(high / PAGE_SIDE);
     for (float row = first.y; row <= last.y; ++row) {
         for (float column = first.x; column <= last.x; ++column) {
             ivec2 steps = upright ? ivec2(column, row) : ivec2(row, column);
@@ -120,6 +131,5 @@ vec4 line_integral(Footprint footprint, out float shown_level) {
             area += cell_area / (coarser * coarser);
         }
     }
-    // Of no area, or larger than the coarsest level resolves
-    return area > 0.0 ? sum / (area * 65535.0) : sample_level(level, footprint.centre);
+    return area > 0.0 ? sum / (area * 65535.0) : nothing_yet();
 }

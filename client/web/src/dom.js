@@ -30,6 +30,8 @@ function shape(tag, attributes) {
 const icon_paths = {
   plus: 'M12 5v14M5 12h14',
   minus: 'M5 12h14',
+  pause: 'M8.5 5v14M15.5 5v14',
+  play: 'M8 5l11 7-11 7z',
   fit: 'M4 9V4h5M20 9V4h-5M4 15v5h5M20 15v5h-5M9.5 9.5h5v5h-5z',
   grid: 'M4 4h16v16H4zM4 12h16M12 4v16',
   options: 'M4 7h9M17 7h3M4 17h3M11 17h9M15 4.5v5M9 14.5v5',

@@ -30,8 +30,15 @@ function stated_by(headers) {
   return {
     method: headers.get('tessera-method') ?? '',
     bound: headers.get('tessera-bound') ?? '',
+    valid_from: step_of(headers.get('tessera-valid-from')),
+    valid_until: step_of(headers.get('tessera-valid-until')),
     ...server_timing(headers.get('server-timing') ?? ''),
   };
+}
+
+/** A step of the clock, "always" or "never". @param {string | null} text */
+function step_of(text) {
+  return text === 'never' ? Infinity : text === 'always' ? -Infinity : text === null ? undefined : Number(text);
 }
 
 /**

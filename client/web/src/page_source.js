@@ -5,10 +5,13 @@ import {getUid} from 'ol/util.js';
 
 import {fetch_page} from './page_fetch.js';
 import {Refused} from './server.js';
-import {page_side} from './texture.js';
+import {key_text, page_side} from './texture.js';
 
 /** A page that nobody looks at for this long is no longer waited for. */
 const patience_milliseconds = 200;
+
+/** Pages of a texture that moves that are kept while they last. */
+const most_lasting = 192;
 
 /** OpenLayers' y grows upwards: texel (x, y) is at (x, −y). @param {import('./texture.js').Texture} texture */
 export function texel_projection({side_texels}) {
@@ -30,17 +33,20 @@ class PageGrid extends TileGrid {
 export class PageSource extends ImageTile {
   #texture;
   #ledger;
-  /** @type {{format: string, accuracy: string, channels: string, slice: number, smooth: boolean}} */
+  /** @type {{format: string, accuracy: string, channels: string, slice: number, step: number, smooth: boolean}} */
   #options;
   /** @type {Map<string, {abort: AbortController, unwanted_since: number}>} By tile key. */
   #in_flight = new Map();
   /** @type {Map<string, {tile: any, ask_again: boolean}>} Tiles that were cancelled or failed, by tile key. */
   #unanswered = new Map();
+  /** @type {Map<string, {image: ImageBitmap, from: number, until: number, still: string}>} Of a texture that moves: the last
+   * of each page, oldest first, and in which steps it is the same. */
+  #lasting = new Map();
 
   /**
    * @param {import('./texture.js').Texture} texture
    * @param {import('./page_ledger.js').PageLedger} ledger
-   * @param {{format: string, accuracy: string, channels: string, slice: number, smooth: boolean}} options
+   * @param {{format: string, accuracy: string, channels: string, slice: number, step: number, smooth: boolean}} options
    * @param {() => void} on_stale The server no longer knows the texture in the revision asked for.
    */
   constructor(texture, ledger, options, on_stale) {
@@ -83,6 +89,14 @@ export class PageSource extends ImageTile {
     this.#renew();
   }
 
+  /** Pages that are another at this step are asked for; the others stay. @param {number} step */
+  set_step(step) {
+    this.#options.step = step;
+    this.transition = 0;  // No fading from frame to frame
+    this.#unanswered.clear();
+    this.setKey(this.#key());
+  }
+
   /** The server has a newer revision of the texture. @param {import('./texture.js').Texture} texture */
   set_texture(texture) {
     if (texture.page_template === this.#texture.page_template) return false;
@@ -114,6 +128,11 @@ export class PageSource extends ImageTile {
   }
 
   #key() {
+    return this.#texture.animated ? `${this.#still_key()} ${this.#options.step}` : this.#still_key();
+  }
+
+  /** All that a page depends on but the step. */
+  #still_key() {
     const {format, accuracy, channels, slice} = this.#options;
     return [this.#texture.page_template, format, accuracy, channels, slice].join(' ');
   }
@@ -133,6 +152,10 @@ export class PageSource extends ImageTile {
       abort.abort();
       this.#unanswered.delete(tile_key);
     });
+    const kept = this.#lasting.get(key_text(page));
+    const {step} = this.#options;
+    if (kept && kept.still === this.#still_key() && kept.from <= step && step < kept.until) return kept.image;
+    const still = this.#still_key();
     const url = this.#texture.page_url(page, this.#options);
     const note = (/** @type {import('./page_ledger.js').PageRecord} */ record) => {
       if (source_key === this.getKey()) this.#ledger.note(page, record);
@@ -142,6 +165,7 @@ export class PageSource extends ImageTile {
     try {
       const {image, facts} = await fetch_page(url, abort.signal);
       note({state: 'ready', url, ...facts});
+      if (this.#texture.animated) this.#keep(page, {image, from: facts.valid_from ?? step, until: facts.valid_until ?? step + 1, still});
       return image;
     } catch (error) {
       if (abort.signal.aborted) {
@@ -154,5 +178,13 @@ export class PageSource extends ImageTile {
     } finally {
       this.#in_flight.delete(tile_key);
     }
+  }
+
+  /** @param {import('./texture.js').PageKey} page @param {any} lasting */
+  #keep(page, lasting) {
+    const key = key_text(page);
+    this.#lasting.delete(key);
+    this.#lasting.set(key, lasting);
+    if (this.#lasting.size > most_lasting) this.#lasting.delete(this.#lasting.keys().next().value);
   }
 }

@@ -46,16 +46,20 @@ export class Texture {
     this.channels = info.channels?.length ? info.channels : [usual_channels];
     /** After how many slices of a third dimension the texture repeats: 1 if it is flat, 0 if it never does. */
     this.slices = Number(info.slices ?? 1);
+    /** Whether pages depend on the step of the clock, and how players go through the steps. */
+    this.animated = info.animated ?? false;
+    this.steps_per_second = info.steps_per_second || 10;
+    this.loop_steps = Number(info.loop_steps ?? 0);
     /** Template of a page's path, with {z}, {x}, {y} and no extension; changes when the texture does. */
     this.page_template = info.page_url || path_of(tilejson.tiles?.[0] ?? `/scenes/${info.id}/{z}/{x}/{y}.png`);
   }
 
   /**
    * @param {PageKey} page
-   * @param {{format: string, accuracy: string, channels?: string, slice?: number}} options
+   * @param {{format: string, accuracy: string, channels?: string, slice?: number, step?: number}} options
    * @returns {string} The page's path; the server's own defaults stay unsaid.
    */
-  page_url({level, x, y}, {format, accuracy, channels = usual_channels, slice = 0}) {
+  page_url({level, x, y}, {format, accuracy, channels = usual_channels, slice = 0, step = 0}) {
     const path = this.page_template
       .replace('{z}', String(this.z_of(level)))
       .replace('{x}', String(x))
@@ -65,6 +69,7 @@ export class Texture {
       accuracy !== 'high' && `accuracy=${accuracy}`,
       channels !== usual_channels && `channels=${channels}`,
       slice !== 0 && `slice=${slice}`,
+      this.animated && step !== 0 && `step=${step}`,
     ];
     const query = asked.filter(Boolean).join('&');
     return `${path}.${format}${query && `?${query}`}`;

@@ -14,6 +14,7 @@ import {choices, chosen, options_menu} from './options_menu.js';
 import {PageGridLayer} from './page_grid_layer.js';
 import {PageLedger} from './page_ledger.js';
 import {PageSource} from './page_source.js';
+import {Player, step_chosen} from './player.js';
 import {ReadOut, ScaleBar} from './read_out.js';
 import {connection} from './server.js';
 import {slice_chosen, slice_within, SliceControl} from './slices.js';
@@ -51,6 +52,7 @@ export class Viewer {
     this.options = chosen(address.options);
     this.channels = channels_chosen(address.options.channels, texture.channels);
     this.slice = slice_chosen(address.options.slice, texture.slices);
+    this.step = step_chosen(address.options.step, texture.animated) ?? 0;
     this.#source = new PageSource(texture, this.#ledger, this.#request(), page.stale);
     this.#grid = new PageGridLayer(texture, this.#ledger, (resolution) => this.#level_shown(resolution), () => this.#free_box().top);
     this.#grid.shown = address.options.grid === '1';
@@ -58,6 +60,7 @@ export class Viewer {
     this.#map = this.#make_map();
     this.#listen();
     this.show(address);
+    this.player.offer(texture, step_chosen(address.options.step, texture.animated));
   }
 
   /** Call when the element is in the document. */
@@ -68,6 +71,7 @@ export class Viewer {
 
   close() {
     this.#closed.abort();
+    this.player.close();
     clearTimeout(this.#settle);
     clearTimeout(this.#record);
     cancelAnimationFrame(this.#frame);
@@ -98,6 +102,7 @@ export class Viewer {
     this.selector.offer(texture.channels, this.channels);
     this.#set_slice(slice_within(this.slice, texture.slices));
     this.slices.offer(texture.slices, this.slice);
+    this.player.offer(texture, this.player.paused_at);
   }
 
   get #view() {
@@ -106,7 +111,7 @@ export class Viewer {
 
   #request() {
     const {format, accuracy, texels} = this.options;
-    return {format, accuracy, channels: this.channels, slice: this.slice, smooth: texels === 'smooth'};
+    return {format, accuracy, channels: this.channels, slice: this.slice, step: this.step, smooth: texels === 'smooth'};
   }
 
   #level_shown(/** @type {number} */ resolution) {
@@ -171,6 +176,7 @@ export class Viewer {
     this.selector.offer(texture.channels, this.channels);
     this.slices = new SliceControl((slice) => this.#choose_slice(slice));
     this.slices.offer(texture.slices, this.slice);
+    this.player = new Player((step) => this.#set_step(step), () => this.#ledger.loading > 0);
     this.grid_button = icon_button('Page grid (G)', 'grid', () => this.#toggle_grid(), {'aria-pressed': 'false'});
     const side = with_separators(texture.side_texels);
     this.element = element(
@@ -194,6 +200,7 @@ export class Viewer {
         ),
         this.selector.element,
         this.slices.element,
+        this.player.element,
         element(
           'div',
           {class: 'panel tools', role: 'toolbar', 'aria-label': 'Tools'},
@@ -255,6 +262,7 @@ export class Viewer {
         '/': () => this.go_to.focus(),
         ',': () => this.#step_slice(-1),
         '.': () => this.#step_slice(1),
+        p: () => this.#toggle_player(),
       },
       this.#closed.signal,
     );
@@ -291,6 +299,7 @@ export class Viewer {
     const options = Object.fromEntries(Object.entries(this.options).filter(([name, value]) => value !== choices[name].default));
     if (this.channels !== usual_channels) options.channels = this.channels;
     if (this.slice !== 0) options.slice = String(this.slice);
+    if (this.player.paused_at !== null && this.texture.animated) options.step = String(this.player.paused_at);
     if (this.#grid.shown) options.grid = '1';
     return format_address({
       scene: this.texture.id,
@@ -353,6 +362,19 @@ export class Viewer {
     if (this.texture.slices === 1) return this.page.say('This scene is flat: it has one slice');
     this.slices.step(slices);
     this.page.say(`Slice ${with_separators(this.slice)}`);
+  }
+
+  /** @param {number} step */
+  #set_step(step) {
+    this.step = step;
+    this.#source.set_step(step);
+    this.#map.render();
+  }
+
+  #toggle_player() {
+    if (!this.texture.animated) return this.page.say('Nothing moves in this scene');
+    this.player.toggle();
+    this.page.moved(this.#hash(), false);
   }
 
   #retry() {
