@@ -2,21 +2,12 @@
 
 #include <array>
 #include <bit>
-#include <cstdio>
 #include <stdexcept>
 
+#include "tests/property/stability/bit_hash.h"
 #include "tests/property/stability/places.h"
 
 namespace tessera::tests {
-namespace {
-
-struct Hash {
-    std::uint64_t value = 0xcbf29ce484222325u;  // FNV-1a, by words
-    void add(std::uint32_t word) { value = (value ^ word) * 0x100000001b3u; }
-};
-
-}  // namespace
-
 std::vector<HashedPage> hashed_pages(const std::vector<Subject>& subjects) {
     std::vector<HashedPage> pages;
     for (std::size_t s = 0; s < subjects.size(); ++s) {
@@ -46,11 +37,9 @@ std::string hash_line(const HashedPage& page) {
     const auto did = page.subject->texture->evaluate(page.region, budget, linear);
     if (!did || !page.subject->texture->evaluate(page.region, budget, codes))
         throw std::logic_error{page.subject->name + " could not be evaluated"};
-    Hash hash;
-    for (const float value : linear.values) hash.add(std::bit_cast<std::uint32_t>(value));
-    for (const std::uint8_t code : codes.bytes) hash.add(code);
-    std::array<char, 17> digits{};
-    std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(hash.value));
+    BitHash bits;
+    for (const float value : linear.values) bits.add(std::bit_cast<std::uint32_t>(value));
+    for (const std::uint8_t code : codes.bytes) bits.add(code);
     const TexelRegion& r = page.region;
     std::string line = page.subject->name;
     const auto add = [&](const std::string& word) { line.append(" ").append(word); };
@@ -63,7 +52,7 @@ std::string hash_line(const HashedPage& page) {
     for (char& c : method)
         if (c == ' ') c = '_';
     add(method);
-    add(digits.data());
+    add(bits.text());
     return line;
 }
 

@@ -1,17 +1,19 @@
-// page_hashes [--threads N] [--check FILE | --update FILE]: evaluates the pages of the list, and prints their
-// hashes, holds them to a file's, or writes the file. Exit code 0: equal; 1: not; 77: this processor does not
-// run the instruction set that TESSERA_KERNELS asks for.
+// page_hashes [--threads N] [--check FILE | --update FILE]: evaluates the pages and footprints of the list,
+// and prints their hashes, holds them to a file's, or writes the file. Exit code 0: equal; 1: not; 77: this
+// processor does not run the instruction set that TESSERA_KERNELS asks for.
 #include <algorithm>
 #include <atomic>
 #include <cstdlib>
 #include <exception>
 #include <fstream>
+#include <functional>
 #include <iostream>
 #include <string>
 #include <thread>
 
 #include "server/blocks/kernels.h"
 #include "server/texture/kernels.h"
+#include "tests/property/stability/filter_hash_list.h"
 #include "tests/property/stability/page_hash_list.h"
 
 namespace tessera::tests {
@@ -19,14 +21,26 @@ namespace {
 
 constexpr int not_tried = 77;
 
-std::vector<std::string> lines_of(const std::vector<HashedPage>& pages, std::size_t threads) {
-    std::vector<std::string> lines(pages.size());
+using Job = std::function<std::string()>;
+
+std::vector<Job> jobs_of(const std::vector<Subject>& subjects) {
+    std::vector<Job> jobs;
+    for (const HashedPage& page : hashed_pages(subjects))
+        jobs.emplace_back([page] { return hash_line(page); });
+    for (const HashedFilter& filter : hashed_filters(subjects))
+        jobs.emplace_back([filter] { return hash_line(filter); });
+    return jobs;
+}
+
+std::vector<std::string> lines_of(const std::vector<Job>& jobs, std::size_t threads) {
+    std::vector<std::string> lines(jobs.size());
     std::atomic<std::size_t> next{0};
     const auto work = [&] {
-        // From the end, so that no thread finds what it needs in the order in which it was made
-        for (std::size_t i = next++; i < pages.size(); i = next++) {
-            const std::size_t page = threads == 1 ? i : pages.size() - 1 - i;
-            lines[page] = hash_line(pages[page]);
+        // Several threads go from the end, so that none finds what it shares in the order in which one makes
+        // it
+        for (std::size_t i = next++; i < jobs.size(); i = next++) {
+            const std::size_t job = threads == 1 ? i : jobs.size() - 1 - i;
+            lines[job] = jobs[job]();
         }
     };
     std::vector<std::jthread> workers;
@@ -48,7 +62,7 @@ int check(const std::vector<std::string>& lines, const std::string& file) {
         std::cout << "  is  " << is << "\n  was " << was << '\n';
     }
     std::cout << lines.size() - std::min(lines.size(), different) << " of " << expected.size()
-              << " pages reproduced\n";
+              << " lines reproduced\n";
     return different == 0 && !expected.empty() ? 0 : 1;
 }
 
@@ -73,7 +87,7 @@ int run(const std::vector<std::string>& arguments) {
         return not_tried;
     }
     const std::vector<Subject> all = subjects();
-    const std::vector<std::string> lines = lines_of(hashed_pages(all), threads);
+    const std::vector<std::string> lines = lines_of(jobs_of(all), threads);
     if (!to_check.empty()) {
         std::cout << "kernels " << kernels().name << ", threads " << threads << ": " << std::flush;
         return check(lines, to_check);
