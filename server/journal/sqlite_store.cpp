@@ -32,6 +32,8 @@ constexpr const char* schema = R"sql(
 constexpr int idle_checkpoint_pages = 1000, longest_wal_pages = 4000;
 constexpr int vacuumed_pages = 1024;  ///< Given back to the disk at a time, where nobody waits.
 
+constexpr std::string_view stage = "check the journal";
+
 std::int64_t checksum_of(Revision revision, std::string_view id, std::int64_t accepted,
                          std::string_view bytes) {
     std::uint64_t names[4] = {revision, static_cast<std::uint64_t>(accepted), 0, 0};
@@ -224,7 +226,6 @@ Result<void> SqliteStore::read_standing() {
 
 /// SQLite's own check of pages and indices, then every edit. Counts the bytes on the way.
 Result<void> SqliteStore::check(Progress& progress) {
-    constexpr std::string_view stage = "check the journal";
     const std::stop_token stop = progress.stop();
     progress.advance(stage, 0);
     // Half of the time for the pages, of which nothing is known but that there are so many
