@@ -64,6 +64,7 @@ struct VaryingMap {
     bool corners =
         false;  ///< A cell depends on the states of (i, j), (i+1, j), (i, j+1), (i+1, j+1): four integers.
     bool nested = false;  ///< Dithered by nested thresholds; else every cell (or corner) by itself.
+    bool shared_draws = false;  ///< Cells share other draws than the map's with their neighbours, at corners.
 };
 
 /// The compiled decisions of one reference texture: what each cell of its grid shows. Integers only;
@@ -118,6 +119,9 @@ class CellProgram {
     /// threshold is. In every aligned block of cells the number of those below a threshold is then right
     /// within one, which bounds a mean with certainty. Empty: nothing is known.
     virtual std::vector<std::int32_t> nested_patterns() const { return {}; }
+
+    /// Cells come again after so many, a power of two, along x and along y. 0: nothing is known.
+    virtual std::int64_t period() const noexcept { return 0; }
 
     virtual std::size_t memory_bytes() const noexcept = 0;
 };

@@ -1,4 +1,7 @@
 #include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
 
 #include "server/blocks/draw_field.h"
 #include "server/blocks/generators.h"
@@ -36,6 +39,27 @@ std::string_view generator_word(Generator generator) {
             return "sigma";
         default:
             return "independent";
+    }
+}
+
+/// Grids of as many types and slices share one quadtree, each from the height of its own cells on: what lies
+/// under a large cell's type is then a function of it in all of them, and composites of their textures are
+/// exact at every level. The first of them in the scene file names the tree, so that grids added behind it
+/// shift nothing.
+void grow_quadtrees(Compilation& c, const std::set<std::size_t>& typed_grids) {
+    std::map<std::pair<std::uint32_t, std::int32_t>, const Grid*> first_of;
+    for (const std::size_t block : typed_grids) {
+        GridBlock& grid = c.grids.at(block);
+        const auto [at, is_first] = first_of.try_emplace({grid.types, grid.grid.cell_slices}, &grid.grid);
+        const Grid& first = *at->second;
+        if (is_first)
+            grid.grid.quadtree = std::make_shared<const TypedQuadtree>(
+                mix(c.seed ^ stream("grid " + grid.grid.name)), grid.types);
+        else if (grid.grid.cell_log2 == first.cell_log2)
+            grid.grid.quadtree = first.quadtree;
+        else
+            grid.grid.quadtree = std::make_shared<const TypedQuadtree>(
+                first.quadtree->lifted(grid.grid.cell_log2 - first.cell_log2));
     }
 }
 
@@ -117,7 +141,7 @@ Result<void> choose_generators(Compilation& c) {
         }
     }
 
-    std::size_t typed_grids = 0;
+    std::set<std::size_t> typed_grids;
     for (CellNode& node : c.nodes) {
         if (!node.draw || !node.shown) continue;
         CellDraw& draw = *node.draw;
@@ -132,13 +156,11 @@ Result<void> choose_generators(Compilation& c) {
                         "types, or make draws independent");
                 c.table_room -= grid.types;
                 draw.types = grid.types;
-                if (grid.grid.quadtree == nullptr) {
-                    if (++typed_grids > max_typed_grids)
+                if (typed_grids.insert(node.grid).second) {
+                    if (typed_grids.size() > max_typed_grids)
                         return c.error(node.grid, "",
                                        "is one of more than " + std::to_string(max_typed_grids) +
                                            " grids with typed draws; share grids, or make draws independent");
-                    grid.grid.quadtree = std::make_shared<const TypedQuadtree>(
-                        mix(c.seed ^ stream("grid " + grid.grid.name)), grid.types);
                     c.notes[node.grid] += ", " + std::to_string(grid.types) + " types";
                 }
                 node.op = make_typed_op(c.seed, draw);
@@ -158,6 +180,7 @@ Result<void> choose_generators(Compilation& c) {
                (draw.types != 0 ? ", " + std::to_string(draw.types) + " types" : std::string{}) + ", draws " +
                std::to_string(draw.count) + (note.empty() ? "" : ", " + note);
     }
+    grow_quadtrees(c, typed_grids);
     return {};
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
 #include <numeric>
 
 #include "server/blocks/kernels.h"
@@ -55,6 +56,7 @@ class LookProgram final : public CellProgram {
           kernels_{block_kernels()} {
         const Classified found = classify(*nodes, roots);
         needs_types_ = found.typed;
+        period_ = found.period;
         moves_ = found.steps;
         basis_ = shares_.basis();
         if (basis_ == Basis::constant || basis_ == Basis::typed) {
@@ -101,10 +103,12 @@ class LookProgram final : public CellProgram {
     Basis basis() const noexcept override { return basis_; }
     bool moves() const noexcept override { return moves_; }
     Epoch epoch(Step step, double most_uneven) const override { return shares_.epoch(step, most_uneven); }
-    std::vector<LookShare> shares_in(const Epoch& epoch, std::span<const std::int32_t> states) const override {
+    std::vector<LookShare> shares_in(const Epoch& epoch,
+                                     std::span<const std::int32_t> states) const override {
         return shares_.shares(states, epoch);
     }
     bool needs_types() const noexcept override { return needs_types_; }
+    std::int64_t period() const noexcept override { return period_; }
     bool independent_cells() const noexcept override { return shares_.independent_cells(); }
     Look look_of_type(std::uint16_t type) const override {
         if (look_of_type_.empty()) return {};
@@ -123,7 +127,26 @@ class LookProgram final : public CellProgram {
   private:
     struct Classified {
         bool typed = false, drawn = false, other = false, steps = false;
+        std::int64_t period = 1;  ///< 0: none that is known.
+
+        void add_period(std::int64_t cells) noexcept {
+            period = period == 0 || cells == 0 ? 0 : std::max(period, cells);
+        }
     };
+    /// After how many cells a draw comes again, along x and y; 0: never, or by no power of two.
+    static std::int64_t period_of(const CellDraw& draw) noexcept {
+        if (draw.generator != proto::Draw::sigma || !std::has_single_bit(draw.count)) return 0;
+        return std::int64_t{draw.count} * draw.count * draw.count;
+    }
+    static std::int64_t period_of(const CellMap& map) noexcept {
+        const StoredMap& stored = *map.map;
+        const auto width = static_cast<std::uint32_t>(stored.width),
+                   height = static_cast<std::uint32_t>(stored.height);
+        if (map.sampling != VaryingMap::Sampling::nearest || stored.edge != StoredMap::Edge::wrap ||
+            !std::has_single_bit(width) || !std::has_single_bit(height))
+            return 0;
+        return std::int64_t{std::max(width, height)} << stored.cells_log2;
+    }
     static Classified classify(const std::vector<CellNode>& nodes, const std::array<std::size_t, 5>& roots) {
         std::vector<bool> needed(nodes.size(), false);
         for (const std::size_t root : roots) needed[root] = true;
@@ -133,7 +156,10 @@ class LookProgram final : public CellProgram {
             for (const std::size_t input : nodes[node].inputs) needed[input] = true;
             found.steps |= nodes[node].steps;
             found.other |= nodes[node].map.has_value();
+            if (nodes[node].steps) found.period = 0;
+            if (nodes[node].map) found.add_period(period_of(*nodes[node].map));
             if (!nodes[node].draw) continue;
+            found.add_period(period_of(*nodes[node].draw));
             const bool is_typed = nodes[node].draw->generator == proto::Draw::typed;
             found.typed |= is_typed;
             found.drawn |= !is_typed;
@@ -184,6 +210,7 @@ class LookProgram final : public CellProgram {
     const BlockKernels& kernels_;
     Basis basis_ = Basis::other;
     bool needs_types_ = false, moves_ = false;
+    std::int64_t period_ = 0;
     std::vector<std::int32_t> pattern_of_type_;
     std::vector<Look> look_of_type_;
 };

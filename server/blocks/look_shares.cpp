@@ -47,7 +47,7 @@ LookShares::LookShares(std::shared_ptr<const std::vector<CellNode>> nodes, std::
     }
 
     // What the leaves are
-    bool typed = false, drawn = false, other = false, draws_at_corners = false, far_draws = false;
+    bool typed = false, drawn = false, other = false, far_draws = false;
     for (const Group& group : groups_) {
         for (const CellSchedule::Leaf& leaf : group.schedule.leaves()) {
             const CellNode& node = (*nodes_)[leaf.node];
@@ -63,21 +63,21 @@ LookShares::LookShares(std::shared_ptr<const std::vector<CellNode>> nodes, std::
             drawn |= generator != proto::Draw::typed;
             other |= generator == proto::Draw::sigma;  // Nothing is sure of how often sigma draws what
             independent_ &= generator == proto::Draw::independent;
-            draws_at_corners |= leaf.dx != 0 || leaf.dy != 0;
+            draws_at_corners_ |= leaf.dx != 0 || leaf.dy != 0;
             far_draws |= leaf.dx > 1 || leaf.dy > 1;
         }
     }
     if (map_ != nullptr) {
         // Who knows of the map's corners knows that cells share the draws at them
-        independent_ &= !map_->map->nested && !far_draws && (corners_ || !draws_at_corners);
+        independent_ &= !map_->map->nested && !far_draws && (corners_ || !draws_at_corners_);
         // A draw of the stream that dithers tells of the map's state
         for (const Group& group : groups_)
             for (const Variable& variable : group.variables)
                 other |= map_->map->key != 0 && variable.draw.key == map_->map->key;
     } else {
-        independent_ &= !draws_at_corners;
+        independent_ &= !draws_at_corners_;
     }
-    other |= !find_animation() || (animated_ != nullptr && (corners_ || draws_at_corners));
+    other |= !find_animation() || (animated_ != nullptr && (corners_ || draws_at_corners_));
     for (const Group& group : groups_) {
         std::uint64_t states = group.states;
         if (group.moves)
@@ -406,7 +406,8 @@ std::vector<LookShares::Outcome> LookShares::enumerate(const Group& group,
 
 std::optional<VaryingMap> LookShares::varying() const {
     if (basis_ != Basis::varying) return std::nullopt;
-    return VaryingMap{map_->map->map.get(), map_->map->sampling, corners_, map_->map->nested};
+    return VaryingMap{map_->map->map.get(), map_->map->sampling, corners_, map_->map->nested,
+                      draws_at_corners_};
 }
 
 std::vector<std::int32_t> LookShares::nested_patterns() const {

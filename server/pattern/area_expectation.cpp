@@ -97,7 +97,7 @@ std::unique_ptr<const AreaExpectation> make_area_expectation(const CellProgram& 
         case CellProgram::Basis::stationary:
             return std::make_unique<const StationaryExpectation>(program, means, slice, uneven);
         case CellProgram::Basis::varying:
-            return make_map_expectation(program, means, slice);
+            return make_map_expectation(program, means, slice, uneven);
         case CellProgram::Basis::typed:
         case CellProgram::Basis::other:
             break;

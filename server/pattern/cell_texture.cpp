@@ -7,11 +7,14 @@
 #include <utility>
 #include <vector>
 
+#include "server/blocks/kernels.h"
 #include "server/pattern/cell_rows.h"
 #include "server/pattern/cell_slice.h"
 #include "server/pattern/epoch_expectation.h"
 #include "server/pattern/pattern_mips.h"
+#include "server/pattern/periodic_sums.h"
 #include "server/pattern/pixel_format.h"
+#include "server/pattern/slice_cache.h"
 #include "server/pattern/typed_texture.h"
 #include "shared/math/hash.h"
 
@@ -26,6 +29,14 @@ constexpr double rounding_codes = 4e-5;
 constexpr int enumerated_levels(Accuracy accuracy) {
     return accuracy == Accuracy::exact ? 4 : accuracy == Accuracy::high ? 3 : 0;
 }
+/// And exact on, up to here, as long as the expectation would be off by more than half a code: a page of such
+/// texels takes about two seconds.
+constexpr int most_enumerated_levels = 7;
+constexpr double half_a_code = 0.5;
+
+/// Cells of a row that are summed at a time.
+constexpr std::int64_t summed_cells = 1024;
+
 /// Where nothing is known of larger texels' cells, 4^this of them are looked at.
 constexpr int sampled_levels(Accuracy accuracy) {
     return accuracy == Accuracy::exact ? 4 : accuracy == Accuracy::high ? 3 : 2;
@@ -45,20 +56,25 @@ class DrawnCells final : public PatternTexture {
         for (const auto& mean : means_.means) range.add(mean);
         width_ = range.width();
         expectation_.emplace(program_, means_, width_);
+        // Nested thresholds take fifty times as long as a hash; and what moves would be summed at each step
+        const bool is_slow = program_->moves() || (program_->varying() && program_->varying()->nested);
+        const bool is_known = expectation_->known() && !expectation_->certain();
+        while (is_known && !is_slow && exact_levels_ < most_enumerated_levels &&
+               expectation_->bound(exact_levels_ + 1).codes > half_a_code)
+            ++exact_levels_;
+        if (is_known && exact_levels_ == most_enumerated_levels) {
+            const double codes = expectation_->bound(exact_levels_ + 1).codes;
+            quarters_ = codes > half_a_code && codes * quarter_of_draws + quarter_slack <= half_a_code;
+        }
     }
 
     Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
                                 LinearImage& out) const override {
-        reshape(out, region.width, region.height);
-        const CellSlice at = cell_slice(grid_, region.slice, mips_->slices());
-        if (at.slice >= mips_->slices()) return blank(out);
-        if (region.level <= grid_.cell_log2) return copy(region, at, budget, out);
-        const int up = region.level - grid_.cell_log2;
-        if (by_expectation(up, budget.accuracy))
-            return expectation_->evaluate(region, at.slice, up, budget, out);
-        if (expectation_->known() || up <= sampled_levels(budget.accuracy))
-            return sum_cells(region, at, budget, out);
-        return sample_cells(region, at, budget, out);
+        return evaluate(region, budget, budget.accuracy == Accuracy::exact, out);
+    }
+    Result<Evaluation> evaluate_part(const TexelRegion& region, const Budget& budget,
+                                     LinearImage& out) const override {
+        return evaluate(region, budget, false, out);
     }
     Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
                                 Rgba8Image& out) const override {
@@ -68,7 +84,9 @@ class DrawnCells final : public PatternTexture {
             return copy(region, at, budget, out);
         }
         const int up = region.level - grid_.cell_log2;
-        if (at.slice < mips_->slices() && by_expectation(up, budget.accuracy) && expectation_->uniform())
+        if (at.slice < mips_->slices() &&
+            by_expectation(up, budget.accuracy, budget.accuracy == Accuracy::exact) &&
+            expectation_->uniform())
             return fill(region, budget, out);
         return Texture::evaluate(region, budget, out);
     }
@@ -78,17 +96,107 @@ class DrawnCells final : public PatternTexture {
                std::to_string(std::int64_t{1} << grid_.cell_log2) + " texels, above them " +
                (expectation_->certain() ? "exact"
                 : expectation_->known() ? "cells, then their expectation"
+                : has_period()          ? "sums of their periods"
                                         : "cells, then a sample of them");
     }
     std::size_t memory_bytes() const noexcept override {
         return sizeof *this + mips_->memory_bytes() + means_.memory_bytes() + program_->memory_bytes() +
-               expectation_->memory_bytes();
+               expectation_->memory_bytes() + (has_period() ? PeriodicSums::most_bytes : 0);
     }
     int cell_level() const noexcept override { return expectation_->certain() ? -1 : grid_.cell_log2; }
 
   private:
-    bool by_expectation(int up, Accuracy accuracy) const noexcept {
-        return expectation_->certain() || (expectation_->known() && up > enumerated_levels(accuracy));
+    /// `deep`: half a code matters more than time.
+    Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget, bool deep,
+                                LinearImage& out) const {
+        reshape(out, region.width, region.height);
+        const CellSlice at = cell_slice(grid_, region.slice, mips_->slices());
+        if (at.slice >= mips_->slices()) return blank(out);
+        if (region.level <= grid_.cell_log2) return copy(region, at, budget, out);
+        const int up = region.level - grid_.cell_log2;
+        if (by_quarters(up, deep)) return sum_quarters(region, at, budget, out);
+        if (by_expectation(up, budget.accuracy, deep))
+            return expectation_->evaluate(region, at.slice, up, budget, out);
+        if (const auto periods = periods_of(at)) return sum_periods(*periods, region, up, budget, out);
+        if (expectation_->known() || up <= sampled_levels(budget.accuracy))
+            return sum_cells(region, at, budget, out);
+        return sample_cells(region, at, budget, out);
+    }
+    bool has_period() const noexcept {
+        const std::int64_t period = program_->period();
+        return !expectation_->known() && period > 0 && period <= PeriodicSums::most_period;
+    }
+    /// Null where cells do not repeat, or are expected.
+    std::shared_ptr<const PeriodicSums> periods_of(const CellSlice& at) const {
+        if (!has_period()) return nullptr;
+        return periods_
+            .get(at.z * mips_->slices() + at.slice,
+                 [&](std::int64_t) {
+                     return std::make_shared<const Periods>(Periods{
+                         PeriodicSums::make(*program_, *mips_, static_cast<std::int32_t>(at.slice), at.z)});
+                 })
+            ->sums;
+    }
+    static Result<Evaluation> sum_periods(const PeriodicSums& periods, const TexelRegion& region, int up,
+                                          const Budget& budget, LinearImage& out) {
+        for (std::int32_t y = 0; y < region.height; ++y) {
+            if (auto spent = check_budget(budget); !spent) return spent.error();
+            float* texel = out.row(y);
+            for (std::int32_t x = 0; x < region.width; ++x)
+                for (const double channel : periods.mean(region.x + x, region.y + y, up))
+                    *texel++ = static_cast<float>(channel);
+        }
+        return Evaluation{
+            .method = "periods",
+            .bound_codes = rounding_codes,
+            .work = std::uint64_t(region.width) * std::uint64_t(region.height) * periods.rows()};
+    }
+
+    bool by_quarters(int up, bool deep) const noexcept {
+        return quarters_ && deep && up == exact_levels_ + 1;
+    }
+    bool by_expectation(int up, Accuracy accuracy, bool deep) const noexcept {
+        const int summed = deep ? exact_levels_ : enumerated_levels(accuracy);
+        return expectation_->certain() || (expectation_->known() && up > summed && !by_quarters(up, deep));
+    }
+
+    /// A quarter of each texel's cells are summed, and the others expected. What is still drawn has three
+    /// quarters of the variance, and of the draws' squares; the slack is for what of a bound does not shrink
+    /// with the root of the number of cells: one draw's reach, and the corner inside an L of cells.
+    static constexpr double quarter_of_draws = 0.8660254037844387, quarter_slack = 0.005;
+    Result<Evaluation> sum_quarters(const TexelRegion& region, const CellSlice& at, const Budget& budget,
+                                    LinearImage& out) const {
+        const int up = region.level - grid_.cell_log2;
+        const auto whole = expectation_->evaluate(region, at.slice, up, budget, out);
+        if (!whole) return whole;
+        // The upper left quarter of each texel
+        TexelRegion finer = region;
+        finer.level = static_cast<std::uint8_t>(region.level - 1);
+        finer.width = finer.height = 1;
+        LinearImage drawn{1, 1}, expected{1, 1};
+        std::uint64_t work = whole->work;
+        Validity validity = whole->validity;
+        for (std::int32_t y = 0; y < region.height; ++y)
+            for (std::int32_t x = 0; x < region.width; ++x) {
+                finer.x = 2 * (region.x + x);
+                finer.y = 2 * (region.y + y);
+                const auto summed = sum_cells(finer, at, budget, drawn);
+                if (!summed) return summed;
+                const auto mean = expectation_->evaluate(finer, at.slice, up - 1, budget, expected);
+                if (!mean) return mean;
+                work += summed->work;
+                validity.meet(summed->validity);
+                validity.meet(mean->validity);
+                for (std::size_t c = 0; c < 4; ++c)
+                    out.row(y)[4 * x + static_cast<std::int32_t>(c)] +=
+                        0.25F * (drawn.values[c] - expected.values[c]);
+            }
+        return Evaluation{
+            .method = "cells in part",
+            .bound_codes = (whole->bound_codes - rounding_codes) * quarter_of_draws + quarter_slack,
+            .confidence = whole->confidence,
+            .work = work,
+            .validity = validity};
     }
 
     /// One colour, coded once.
@@ -182,32 +290,34 @@ class DrawnCells final : public PatternTexture {
         const int up = region.level - grid_.cell_log2;
         const std::int64_t n = std::int64_t{1} << up;
         const double unit = mips_->sum_unit() * static_cast<double>(n) * static_cast<double>(n);
-        std::vector<std::array<std::int64_t, 4>> sums(std::size_t(region.width));
+        // So many texels at a time that a stretch of their cells is decided row after row: what a row reads
+        // of the next one is then decided once
+        const auto at_once = static_cast<std::int32_t>(std::max<std::int64_t>(summed_cells / n, 1));
+        std::vector<std::int64_t> sums;  // Four a texel
         Validity validity;
         for (std::int32_t row = 0; row < region.height; ++row) {
             const std::int64_t y = (region.y + row) * n;
-            Patterns patterns{*this,
-                              region.step,
-                              at.z,
-                              region.x * n,
-                              y,
-                              static_cast<std::int32_t>(region.width * n),
-                              static_cast<std::int32_t>(n)};
-            std::fill(sums.begin(), sums.end(), std::array<std::int64_t, 4>{});
-            for (std::int64_t cell_y = y; cell_y < y + n; ++cell_y) {
-                if (auto spent = check_budget(budget); !spent) return spent.error();
-                const std::int32_t* pattern = patterns.row(cell_y);
-                for (auto& sum : sums)
-                    for (std::int64_t cell = 0; cell < n; ++cell, ++pattern) {
-                        const auto& of = mips_->sum(first + *pattern);
-                        for (std::size_t channel = 0; channel < 4; ++channel) sum[channel] += of[channel];
-                    }
-            }
-            validity.meet(patterns.validity());
             float* texel = out.row(row);
-            for (const auto& sum : sums)
-                for (const std::int64_t channel : sum)
+            for (std::int32_t from = 0; from < region.width; from += at_once) {
+                const std::int32_t count = std::min(at_once, region.width - from);
+                Patterns patterns{*this,
+                                  region.step,
+                                  at.z,
+                                  (region.x + from) * n,
+                                  y,
+                                  static_cast<std::int32_t>(count * n),
+                                  static_cast<std::int32_t>(n)};
+                sums.assign(static_cast<std::size_t>(count) * 4, 0);
+                for (std::int64_t cell_y = y; cell_y < y + n; ++cell_y) {
+                    if (auto spent = check_budget(budget); !spent) return spent.error();
+                    const std::int32_t* pattern = patterns.row(cell_y);
+                    block_kernels().add_colours(mips_->sum(first).data(), pattern,
+                                                static_cast<std::int32_t>(n), count, sums.data());
+                }
+                validity.meet(patterns.validity());
+                for (const std::int64_t channel : sums)
                     *texel++ = static_cast<float>(static_cast<double>(channel) / unit);
+            }
         }
         return Evaluation{
             .method = "cells",
@@ -267,12 +377,19 @@ class DrawnCells final : public PatternTexture {
                           .validity = validity};
     }
 
+    struct Periods {
+        std::shared_ptr<const PeriodicSums> sums;  ///< Null where too many rows differ.
+    };
+
     Grid grid_;
     std::shared_ptr<const CellProgram> program_;
     std::shared_ptr<const PatternMips> mips_;
     LookMeans means_;
+    SliceCache<Periods> periods_;
     double width_ = 0;  ///< That all patterns' means span, of all slices.
     std::optional<EpochExpectation> expectation_;
+    int exact_levels_ = enumerated_levels(Accuracy::exact);  ///< Of texels that exact sums cell by cell.
+    bool quarters_ = false;  ///< A level more is exact enough where a quarter of its cells are summed.
 };
 
 }  // namespace

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 
 #include "server/pattern/area_sums.h"
 
@@ -43,11 +45,69 @@ struct ColourRange {
     }
 };
 
-/// Hoeffding's inequality for the mean of `cells` draws that each span at most `width` (linear); where cells
-/// share draws with neighbours, Janson's ("Large deviations for sums of partly dependent random variables",
-/// Random Structures & Algorithms 24, 2004): they fall into `classes` sets inside of which none do.
-inline double chance_codes(double width, double cells, int classes = 1) noexcept {
-    return 255 * width * std::sqrt(classes * log_of_odds / (2 * cells));
+/// Hoeffding's inequality for the mean of `cells` draws that each span at most `width` (linear).
+inline double chance_codes(double width, double cells) noexcept {
+    return 255 * width * std::sqrt(log_of_odds / (2 * cells));
+}
+
+/// What draws may do to one cell's share of a mean, one after the other: the variance that they add, and how
+/// far any one of them may move it (linear; Σ over the draws of a cell, but for `farthest`).
+struct DrawSpread {
+    double variance = 0;
+    double squares = 0;   ///< Of what each draw spans.
+    double farthest = 0;  ///< From what was expected before the draw.
+
+    void add_largest(const DrawSpread& other) noexcept {
+        variance = std::max(variance, other.variance);
+        squares = std::max(squares, other.squares);
+        farthest = std::max(farthest, other.farthest);
+    }
+};
+
+/// What is drawn for cells that look at draws of their four corners, too.
+struct CornerSpread {
+    Colour variance{}, width{}, farthest{};  ///< Of a cell's own draws, where its corners are given.
+    std::array<Colour, 4> corners{};  ///< What a corner's draw makes of the mean of each cell that has it.
+
+    void add_largest(const CornerSpread& other) noexcept {
+        const auto add = [](Colour& to, const Colour& from) {
+            for (std::size_t c = 0; c < 4; ++c) to[c] = std::max(to[c], from[c]);
+        };
+        add(variance, other.variance);
+        add(width, other.width);
+        add(farthest, other.farthest);
+        for (std::size_t k = 0; k < 4; ++k) add(corners[k], other.corners[k]);
+    }
+    /// As many corners as cells are drawn, and each moves the four cells around it: what lies within a span
+    /// has a variance of at most a quarter of its square (Popoviciu). At the edge of n × n cells corners move
+    /// fewer: those of two opposite edges together, with (a + b)² ≥ a² + b², no more than one row inside, so
+    /// that n² is right.
+    ///
+    /// `classes`: cells may share their own draws with neighbours, too, but not inside one of so many
+    /// classes. Given the corners, the mean of a class is one of independent cells, and the mean of all that
+    /// of the classes' means: as if there were so many times fewer cells (Hoeffding, "Probability
+    /// inequalities for sums of bounded random variables", 1963, 5d).
+    DrawSpread of_cell(double classes) const noexcept {
+        DrawSpread spread;
+        for (std::size_t c = 0; c < 4; ++c) {
+            const double corner = corners[0][c] + corners[1][c] + corners[2][c] + corners[3][c];
+            spread.add_largest({classes * variance[c] + corner * corner / 4,
+                                classes * width[c] * width[c] + corner * corner,
+                                std::max(classes * farthest[c], corner)});
+        }
+        return spread;
+    }
+};
+
+/// A mean over `cells` of them whose draws are independent of each other, each perhaps seen by several cells.
+/// Drawn one after the other they make a martingale, whose end is this far from its start at most: by
+/// McDiarmid's inequality, or by Freedman's ("On tail probabilities for martingales", Annals of Probability
+/// 3, 1975), which is Bernstein's where draws do not share cells.
+inline double spread_codes(const DrawSpread& spread, double cells) noexcept {
+    const double linear = spread.farthest * log_of_odds / 3;
+    const double freedman =
+        (linear + std::sqrt(linear * linear + 2 * cells * log_of_odds * spread.variance)) / cells;
+    return 255 * std::min(freedman, std::sqrt(log_of_odds * spread.squares / (2 * cells)));
 }
 
 }  // namespace tessera

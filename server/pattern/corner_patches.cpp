@@ -1,6 +1,7 @@
 #include "server/pattern/corner_patches.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "server/pattern/look_mixture.h"
 
@@ -31,7 +32,7 @@ const CornerPatches::Combination& CornerPatches::combination(const std::array<st
         const std::array<std::int32_t, 4> values{states_[corners[0]], states_[corners[1]],
                                                  states_[corners[2]], states_[corners[3]]};
         const LookMixture mixture = mixture_of(program_.shares(values), means_, slice_, base_);
-        at->second = {mixture.mean, mixture.range};
+        at->second = {mixture.mean, mixture.variance, mixture.range};
     }
     return at->second;
 }
@@ -47,6 +48,30 @@ void CornerPatches::make() {
     for (const auto& entries : entries_) patches_.push_back(made(entries));
     numbers_ = {};
     combinations_ = {};
+}
+
+/// A corner's draw moves the mean of a cell by the largest difference that it can make there.
+CornerSpread CornerPatches::spread_of(const std::vector<const Combination*>& shown, std::size_t kinds,
+                                      bool drawn) {
+    CornerSpread spread;
+    for (const Combination* combination : shown)
+        for (std::size_t c = 0; c < 4; ++c) {
+            const double least = combination->range.least[c], most = combination->range.most[c];
+            spread.width[c] = std::max(spread.width[c], most - least);
+            spread.variance[c] = std::max(spread.variance[c], combination->variance[c]);
+            spread.farthest[c] =
+                std::max({spread.farthest[c], most - combination->mean[c], combination->mean[c] - least});
+        }
+    std::size_t stride = 1;
+    for (std::size_t corner = 0; drawn && corner < 4; ++corner, stride *= kinds)
+        for (std::size_t i = 0; i < shown.size(); ++i)
+            for (std::size_t kind = i / stride % kinds + 1; kind < kinds; ++kind) {
+                const Combination& other = *shown[i + (kind - i / stride % kinds) * stride];
+                for (std::size_t c = 0; c < 4; ++c)
+                    spread.corners[corner][c] =
+                        std::max(spread.corners[corner][c], std::abs(shown[i]->mean[c] - other.mean[c]));
+            }
+    return spread;
 }
 
 CornerPatches::Patch CornerPatches::made(const std::array<std::uint16_t, 4>& entries) {
@@ -67,6 +92,7 @@ CornerPatches::Patch CornerPatches::made(const std::array<std::uint16_t, 4>& ent
         shown.push_back(&combination({states[kind[0]], states[kind[1]], states[kind[2]], states[kind[3]]}));
     }
 
+    // Where corners are not drawn, they are what the map says
     const bool drawn = columns_ == PatchBasis::quartic || rows_ == PatchBasis::quartic;
     const std::size_t functions = functions_of(columns_);
     for (std::size_t row = 0; row < functions_of(rows_); ++row)
@@ -94,11 +120,10 @@ CornerPatches::Patch CornerPatches::made(const std::array<std::uint16_t, 4>& ent
                 if (weight == 0) continue;
                 for (std::size_t c = 0; c < 4; ++c) sum[c] += weight * shown[i]->mean[c];
                 patch.range.add(shown[i]->range);
-                if (!drawn) patch.width = std::max(patch.width, shown[i]->range.width());
             }
             patch.coefficients[row * functions + column] = sum;
         }
-    if (drawn) patch.width = patch.range.width();
+    patch.spread = spread_of(shown, kinds, drawn);
 
     const auto over_columns = means_over(columns_, 0, cells_, cells_);
     const auto over_rows = means_over(rows_, 0, cells_, cells_);

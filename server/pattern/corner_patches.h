@@ -22,8 +22,8 @@ class CornerPatches {
   public:
     struct Patch {
         PatchCoefficients coefficients{};
-        Colour mean{};      ///< Over all of its cells.
-        double width = 0;   ///< What its cells may show spans so much, by chance alone.
+        Colour mean{};  ///< Over all of its cells.
+        CornerSpread spread;
         ColourRange range;  ///< Of what its cells may show.
     };
 
@@ -43,9 +43,12 @@ class CornerPatches {
   private:
     struct Combination {
         Colour mean{};
+        Colour variance{};
         ColourRange range;
     };
     const Combination& combination(const std::array<std::uint16_t, 4>& corners);
+    static CornerSpread spread_of(const std::vector<const Combination*>& shown, std::size_t kinds,
+                                  bool drawn);
     Patch made(const std::array<std::uint16_t, 4>& entries);
 
     const CellProgram& program_;

@@ -69,7 +69,8 @@ void copy_block(const std::vector<Value>& from, std::int32_t block_x, std::int32
 Result<Evaluation> CompositePart::evaluate(const TexelRegion& region, const Budget& budget, LinearImage& out,
                                            std::vector<float>& bounds) const {
     if (composite_ != nullptr) return composite_->compose(region, budget, out, bounds);
-    const auto one = texture_->evaluate(region, budget, out);
+    const auto one = cells_ != nullptr ? cells_->evaluate_part(region, budget, out)
+                                       : texture_->evaluate(region, budget, out);
     if (one) bounds.assign(out.values.size() / 4, static_cast<float>(one->bound_codes * code_in_linear));
     return one;
 }

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/pattern/pattern_texture.h"
 #include "server/texture/texture.h"
 
 namespace tessera {
@@ -28,7 +29,9 @@ class Composite {
 class CompositePart {
   public:
     explicit CompositePart(std::shared_ptr<const Texture> texture)
-        : texture_{std::move(texture)}, composite_{dynamic_cast<const Composite*>(texture_.get())} {}
+        : texture_{std::move(texture)},
+          composite_{dynamic_cast<const Composite*>(texture_.get())},
+          cells_{dynamic_cast<const PatternTexture*>(texture_.get())} {}
     CompositePart() = default;
 
     /// `bounds`: as Composite::compose gives them.
@@ -40,6 +43,7 @@ class CompositePart {
   private:
     std::shared_ptr<const Texture> texture_;
     const Composite* composite_ = nullptr;
+    const PatternTexture* cells_ = nullptr;
 };
 
 /// Evaluates a composite, and where a block's bound is above half a code composes it d levels below and

@@ -27,6 +27,8 @@ class EpochExpectation {
     /// As AreaExpectation::evaluate, of a slice of the pattern set.
     Result<Evaluation> evaluate(const TexelRegion& region, std::int64_t slice, int up, const Budget& budget,
                                 LinearImage& out) const;
+    /// As AreaExpectation::bound, of the first slice, at rest.
+    ChanceBound bound(int up) const { return of_slice(0)->is->bound(up); }
     std::size_t memory_bytes() const;
 
   private:

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -45,14 +46,16 @@ std::int64_t sums_of(const StoredMap& map) noexcept {
 class MapExpectation final : public AreaExpectation {
   public:
     MapExpectation(const CellProgram& program, const VaryingMap& varying, MapStates states,
-                   const LookMeans& means, std::int32_t slice)
+                   const LookMeans& means, std::int32_t slice, double uneven)
         : map_{*varying.map},
+          uneven_{uneven},
           states_{std::move(states)},
           columns_{basis_of(varying.sampling, varying.corners, false)},
           rows_{basis_of(varying.sampling, varying.corners, true)},
           corners_{varying.corners},
           drawn_{varying.sampling != VaryingMap::Sampling::nearest},
           nested_{varying.nested},
+          sharing_{varying.shared_draws ? 4.0 : 1.0},
           independent_{program.independent_cells()} {
         // The first state's colours are what others are told from
         const std::array<std::int32_t, 4> first{states_.values().front(), states_.values().front(),
@@ -64,13 +67,18 @@ class MapExpectation final : public AreaExpectation {
         } else {
             for (const std::int32_t& state : states_.values()) {
                 looks_.push_back(mixture_of(program.shares({&state, 1}), means, slice, base_));
-                largest_width_ = std::max(largest_width_, looks_.back().range.width());
-                range_.add(looks_.back().range);
+                draws_looks_ = draws_looks_ || looks_.back().range.width() > 0;
+                if (!drawn_) spread_.add_entries(std::array{&looks_.back()});
+            }
+            if (drawn_) {
+                std::vector<const LookMixture*> all;
+                for (const LookMixture& looks : looks_) all.push_back(&looks);
+                spread_.add_entries(all);
             }
         }
-        if (drawn_) largest_width_ = range_.width();
         if (!is_listed()) return;
         if (!sums_) make_sums();
+        measure_whole();
     }
 
     /// Whether there were few enough kinds of patches.
@@ -78,7 +86,9 @@ class MapExpectation final : public AreaExpectation {
         return !corner_patches_ || corner_patches_->count() <= most_corner_patches;
     }
 
-    ChanceBound bound(int up) const noexcept override { return bound_of(up, largest_width_, range_.width()); }
+    ChanceBound bound(int up) const noexcept override {
+        return up >= whole_up_ ? bound_of(up, whole_, spread_.range) : bound_of(up, spread_);
+    }
 
     Result<Evaluation> evaluate(const TexelRegion& region, int up, const Budget& budget,
                                 LinearImage& out) const override {
@@ -109,10 +119,8 @@ class MapExpectation final : public AreaExpectation {
                 if (!is_listed()) return;
             }
         corner_patches_->make();
-        for (std::uint32_t patch = 0; patch < corner_patches_->count(); ++patch) {
-            largest_width_ = std::max(largest_width_, (*corner_patches_)[patch].width);
-            range_.add((*corner_patches_)[patch].range);
-        }
+        for (std::uint32_t patch = 0; patch < corner_patches_->count(); ++patch)
+            spread_.add((*corner_patches_)[patch]);
     }
     const CornerPatches::Patch& corner_patch(std::int64_t i, std::int64_t j) const noexcept {
         const AreaSums::Axis x = patch_axis(map_, map_.width), y = patch_axis(map_, map_.height);
@@ -157,17 +165,78 @@ class MapExpectation final : public AreaExpectation {
         });
     }
 
-    /// `width`: what a cell's looks span by chance; `range`: what they span at all.
-    ChanceBound bound_of(int up, double width, double range) const noexcept {
+    /// What is drawn for the cells of some patches, and what they may show at all.
+    struct Spread {
+        CornerSpread corners;
+        DrawSpread cells;  ///< Without corners.
+        ColourRange range;
+
+        void add(const CornerPatches::Patch& patch) noexcept {
+            corners.add_largest(patch.spread);
+            range.add(patch.range);
+        }
+        /// Entries that a cell draws one of, and then its look: their variances add up.
+        template <class Entries>
+        void add_entries(const Entries& entries) noexcept {
+            ColourRange means, shown;
+            double variance = 0;
+            for (const LookMixture* entry : entries) {
+                means.add(entry->mean);
+                shown.add(entry->range);
+                for (const double channel : entry->variance) variance = std::max(variance, channel);
+            }
+            const double of_means = means.width(), width = shown.width();
+            cells.add_largest({variance + of_means * of_means / 4, width * width, width});
+            range.add(shown);
+        }
+    };
+
+    /// The mean over all patches of a map that repeats, for texels that hold each as often.
+    void measure_whole() {
+        const AreaSums::Axis x = patch_axis(map_, map_.width), y = patch_axis(map_, map_.height);
+        const auto width = static_cast<std::uint64_t>(x.count), height = static_cast<std::uint64_t>(y.count);
+        if (!x.wraps || !std::has_single_bit(width) || !std::has_single_bit(height)) return;
+        whole_up_ = map_.cells_log2 + std::countr_zero(std::max(width, height));
+        // Corners at the border of patches lie in up to four of them, each of which moves some of their
+        // cells: (a + b)² ≤ 2·(a² + b²)
+        const double at_borders = 1 + 1 / static_cast<double>(std::int64_t{1} << map_.cells_log2);
+        const double share = at_borders * at_borders / static_cast<double>(width * height);
+        PatchRow patches;
+        patches.top.resize(static_cast<std::size_t>(width) + 1);
+        patches.bottom.resize(patches.top.size());
+        for (std::int64_t j = 0; j < y.count; ++j) {
+            read_row(0, j, patches);
+            for (std::size_t at = 0; at + 1 < patches.top.size(); ++at) {
+                Spread patch;
+                measure(patches, at, patch);
+                const DrawSpread cell = corners_ ? patch.corners.of_cell(sharing_) : patch.cells;
+                whole_.variance += share * cell.variance;
+                whole_.squares += share * cell.squares;
+                whole_.farthest = std::max(whole_.farthest, 2 * cell.farthest);
+            }
+        }
+    }
+
+    ChanceBound bound_of(int up, const Spread& spread) const noexcept {
+        return bound_of(up, corners_ ? spread.corners.of_cell(sharing_) : spread.cells, spread.range);
+    }
+    ChanceBound bound_of(int up, DrawSpread of_cell, const ColourRange& shown) const noexcept {
         const double cells =
             static_cast<double>(std::int64_t{1} << up) * static_cast<double>(std::int64_t{1} << up);
-        if (width == 0) return {};
+        if (of_cell.squares <= 0) return {};
+        const double range = shown.width();
+        // Shares that lie elsewhere shift a mean by so much of the range, and what a corner makes of four
+        // means by eight times that
+        of_cell.farthest += 8 * uneven_ * range;
+        of_cell.squares += 128 * uneven_ * range * range;
+        of_cell.variance += (3 + 128.0 / 4) * uneven_ * range * range;
         if (independent_) {
-            const double codes = chance_codes(width, cells, corners_ ? 4 : 1);
+            const double codes = spread_codes(of_cell, cells);
             if (codes < 255 * range) return {codes, stated_confidence};
-        } else if (nested_ && !corners_) {
-            const double codes = nested_codes(up, range);
-            if (codes < 255 * range) return {codes, 1};
+        } else if (nested_ && !corners_ && !draws_looks_) {
+            const double codes = nested_codes(up, range), likely = nested_chance_codes(cells, range);
+            if (codes < 255 * range && codes <= likely) return {codes, 1};
+            if (likely < 255 * range) return {likely, stated_confidence};
         }
         return {255 * range, 1};  // both lie among the colours that cells may show
     }
@@ -177,8 +246,6 @@ class MapExpectation final : public AreaExpectation {
     /// cells' worth at most. The three weights between four entries each shift the colour by the looks' range
     /// at most; one entry shows one look.
     double nested_codes(int up, double range) const noexcept {
-        for (const LookMixture& looks : looks_)
-            if (looks.range.width() > 0) return 255 * range;  // draws on top of it: not looked into
         const auto side = static_cast<double>(std::int64_t{1} << map_.cells_log2);
         double least = 1;
         for (int j = 0; j <= std::min(up, map_.cells_log2); ++j) {
@@ -186,6 +253,15 @@ class MapExpectation final : public AreaExpectation {
             least = std::min(least, 1 / (block * block) + 2 * (block - 1) / side);
         }
         return 255 * 3 * range * least;
+    }
+
+    /// And whatever the map does: reveal the thresholds digit by digit. A digit is a permutation of four,
+    /// drawn for each node and each stratum (what the digits before it say), of the four cells of the node
+    /// that lie in it. What a cell is expected to show changes by no more than the looks' range, and four
+    /// cells' expectations by a variance of at most 4 · 4 · range²/4 (Cauchy and Schwarz, Popoviciu): range²
+    /// a cell, and there are 16 digits.
+    static double nested_chance_codes(double cells, double range) noexcept {
+        return spread_codes({16 * range * range, 64 * range * range, 4 * range}, cells);
     }
 
     /// Patches of a row of the texture, from the `first` on: what their expectations are made of.
@@ -231,14 +307,13 @@ class MapExpectation final : public AreaExpectation {
         patches.top.resize(static_cast<std::size_t>(((left + region.width - 1) >> texels_log2) - first + 2));
         patches.bottom.resize(patches.top.size());
 
-        double width = 0;
-        ColourRange range;
+        Spread spread;
         for (std::int32_t y = 0; y < region.height; ++y) {
             if (auto spent = check_budget(budget); !spent) return spent.error();
             const bool new_row = y == 0 || ((top + y) & mask) == 0;
             if (new_row) {
                 read_row(first, (top + y) >> texels_log2, patches);
-                measure(patches, width, range);
+                measure(patches, spread);
             }
             const auto down = means_over(rows_, ((top + y) & mask) * n, n, cells);
             float* texel = out.row(y);
@@ -259,7 +334,7 @@ class MapExpectation final : public AreaExpectation {
                     write(texel, combined(across[static_cast<std::size_t>(x)], column));
             }
         }
-        const ChanceBound bound = bound_of(up, width, range.width());
+        const ChanceBound bound = bound_of(up, spread);
         return Evaluation{.method = "expectation",
                           .bound_codes = bound.codes + rounding_codes,
                           .confidence = bound.confidence,
@@ -289,22 +364,17 @@ class MapExpectation final : public AreaExpectation {
                 for (std::size_t c = 0; c < 4; ++c) column[k][c] += down[row] * colour[c];
             }
     }
-    /// What chance alone may make of the patches' cells, and what they may show at all.
-    void measure(const PatchRow& patches, double& width, ColourRange& range) const noexcept {
-        for (std::size_t at = 0; at + 1 < patches.top.size(); ++at) {
-            if (corners_) {
-                const CornerPatches::Patch& patch = (*corner_patches_)[patches.top[at]];
-                width = std::max(width, patch.width);
-                range.add(patch.range);
-                continue;
-            }
-            ColourRange of_patch;
-            for (std::size_t row = 0; row < functions_of(rows_); ++row)
-                for (std::size_t k = 0; k < functions_of(columns_); ++k)
-                    of_patch.add(looks_[(row == 0 ? patches.top : patches.bottom)[at + k]].range);
-            width = std::max(width, of_patch.width());
-            range.add(of_patch);
-        }
+    void measure(const PatchRow& patches, Spread& spread) const noexcept {
+        for (std::size_t at = 0; at + 1 < patches.top.size(); ++at) measure(patches, at, spread);
+    }
+    void measure(const PatchRow& patches, std::size_t at, Spread& spread) const noexcept {
+        if (corners_) return spread.add((*corner_patches_)[patches.top[at]]);
+        std::array<const LookMixture*, 4> entries;
+        std::size_t count = 0;
+        for (std::size_t row = 0; row < functions_of(rows_); ++row)
+            for (std::size_t k = 0; k < functions_of(columns_); ++k)
+                entries[count++] = &looks_[(row == 0 ? patches.top : patches.bottom)[at + k]];
+        spread.add_entries(std::span{entries}.first(count));
     }
 
     /// Texels of 2^log2 × 2^log2 patches, more than one.
@@ -355,19 +425,23 @@ class MapExpectation final : public AreaExpectation {
     }
 
     const StoredMap& map_;
+    double uneven_;  ///< Of all shares, what may lie elsewhere.
     MapStates states_;
     PatchBasis columns_, rows_;
     bool corners_;
     bool drawn_;  ///< States are drawn: the map is dithered.
     bool nested_;
+    double sharing_;            ///< Of a cell's own draws, how many classes of cells do not share any.
+    bool draws_looks_ = false;  ///< Without corners: a state does not say all.
     bool independent_;
     Colour base_{};
     std::vector<LookMixture> looks_;  ///< By state, without corners.
     std::optional<CornerPatches> corner_patches_;
     std::vector<std::uint16_t> patch_of_;  ///< With corners: of each stored patch.
-    double largest_width_ = 0;
-    ColourRange range_;
-    int block_ = 0;  ///< log2 of the side of what is summed, in patches.
+    Spread spread_;                        ///< Of all patches.
+    DrawSpread whole_;                     ///< A cell's on the average of all patches: of texels of
+    int whole_up_ = max_level + 1;         ///< this many levels above the cell, or more.
+    int block_ = 0;                        ///< log2 of the side of what is summed, in patches.
     std::int64_t shift_x_ = 0, shift_y_ = 0;
     std::optional<AreaSums> sums_;
 };
@@ -375,12 +449,14 @@ class MapExpectation final : public AreaExpectation {
 }  // namespace
 
 std::unique_ptr<const AreaExpectation> make_map_expectation(const CellProgram& program,
-                                                            const LookMeans& means, std::int32_t slice) {
+                                                            const LookMeans& means, std::int32_t slice,
+                                                            double uneven) {
     const auto varying = program.varying();
     if (!varying || sums_of(*varying->map) > most_sums) return nullptr;
     auto states = MapStates::of(*varying->map);
     if (!states) return nullptr;
-    auto made = std::make_unique<const MapExpectation>(program, *varying, std::move(*states), means, slice);
+    auto made =
+        std::make_unique<const MapExpectation>(program, *varying, std::move(*states), means, slice, uneven);
     if (!made->is_listed()) return nullptr;
     return made;
 }

@@ -4,13 +4,14 @@
 #include <array>
 #include <limits>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "server/pattern/area_expectation.h"
 #include "server/pattern/cell_texture.h"
 #include "server/pattern/instance_texture.h"
-#include "server/pattern/layer_types.h"
+#include "server/pattern/joint_types.h"
 #include "server/pattern/layered_texture.h"
 #include "server/pattern/pixel_map_texture.h"
 #include "server/pattern/texel_range.h"
@@ -40,13 +41,13 @@ class Compiler {
     std::shared_ptr<const Texture> make(const GivenPlan& plan) { return plan.texture; }
 
     std::shared_ptr<const Texture> make(const PixelMapPlan& plan) {
-        std::vector<bool> shown(plan.textures.size());
-        for (const std::int32_t family : plan.map->values) shown[static_cast<std::size_t>(family)] = true;
+        const std::vector<bool> shown = shown_families(plan);
         std::vector<Layer> parts(plan.textures.size());
         for (std::size_t family = 0; family < parts.size(); ++family)
             if (shown[family])
                 parts[family] = {texture(plan.textures[family]), ranges_[plan.textures[family]]};
-        return make_pixel_map_texture(*plan.map, std::move(parts));
+        const auto whole = joint_part(plan);
+        return make_pixel_map_texture(*plan.map, std::move(parts), whole ? joint(*whole) : nullptr);
     }
 
     std::shared_ptr<const Texture> make(const LayersPlan& plan) {
@@ -61,13 +62,24 @@ class Compiler {
 
         std::vector<Layer> layers;
         for (std::size_t from = 0; from < flat.size();) {
-            const std::size_t to = run_end(flat, from);
-            std::shared_ptr<const Texture> joint;
-            if (to - from > 1) joint = together({flat.data() + from, to - from});
-            if (joint) {
+            JointPart run;
+            std::size_t to = from;
+            for (; to < flat.size(); ++to) {
+                auto part = joint_part(flat[to]);
+                if (!part) break;
+                run.parts.push_back(std::move(*part));
+                if (to > from && !joint_grid(run)) {
+                    run.parts.pop_back();
+                    break;
+                }
+            }
+            std::shared_ptr<const Texture> together;
+            if (to - from > 1) together = joint(run);
+            to = std::max(to, from + 1);
+            if (together) {
                 TexelRange range = ranges_[flat[from]];
                 for (std::size_t k = from + 1; k < to; ++k) range = range_over(ranges_[flat[k]], range);
-                layers.push_back({std::move(joint), range});
+                layers.push_back({std::move(together), range});
             } else {
                 for (std::size_t k = from; k < to; ++k)
                     layers.push_back({texture(flat[k]), ranges_[flat[k]]});
@@ -84,43 +96,49 @@ class Compiler {
             flat.push_back(index);
     }
 
-    const ReferencePlan* typed(std::size_t index) const {
-        const auto* reference = std::get_if<ReferencePlan>(&plan_.textures[index].what);
-        return reference != nullptr && is_typed_layer(*reference) ? reference : nullptr;
+    /// The texture as a part that types of a quadtree decide, if it is one.
+    std::optional<JointPart> joint_part(std::size_t index) const {
+        const auto& what = plan_.textures[index].what;
+        if (const auto* reference = std::get_if<ReferencePlan>(&what)) {
+            if (!is_joint(*reference)) return std::nullopt;
+            return JointPart{.reference = reference};
+        }
+        if (const auto* given = std::get_if<GivenPlan>(&what)) {
+            if (given->texture->kind() != "constant") return std::nullopt;
+            return JointPart{.color = ranges_[index].least};
+        }
+        if (const auto* map = std::get_if<PixelMapPlan>(&what)) return joint_part(*map);
+        JointPart whole;
+        for (const std::size_t part : std::get<LayersPlan>(what).textures) {
+            auto of = joint_part(part);
+            if (!of) return std::nullopt;
+            whole.parts.push_back(std::move(*of));
+        }
+        return whole;
     }
-    bool constant(std::size_t index) const {
-        const auto* given = std::get_if<GivenPlan>(&plan_.textures[index].what);
-        return given != nullptr && given->texture->kind() == "constant";
+    std::optional<JointPart> joint_part(const PixelMapPlan& plan) const {
+        if (!is_joint(*plan.map)) return std::nullopt;
+        JointPart whole{.map = plan.map.get()};
+        const std::vector<bool> shown = shown_families(plan);
+        for (std::size_t family = 0; family < shown.size(); ++family) {
+            auto part = shown[family] ? joint_part(plan.textures[family]) : JointPart{};
+            if (!part) return std::nullopt;
+            whole.parts.push_back(std::move(*part));
+        }
+        return whole;
+    }
+    static std::vector<bool> shown_families(const PixelMapPlan& plan) {
+        std::vector<bool> shown(plan.textures.size());
+        for (const std::int32_t family : plan.map->values) shown[static_cast<std::size_t>(family)] = true;
+        return shown;
     }
 
-    /// Layers from `from` on that one quadtree decides, constants among them.
-    std::size_t run_end(const std::vector<std::size_t>& flat, std::size_t from) const {
-        const ReferencePlan* first = nullptr;
-        std::size_t end = from;
-        for (; end < flat.size(); ++end) {
-            if (constant(flat[end])) continue;
-            const ReferencePlan* layer = typed(flat[end]);
-            if (layer == nullptr) break;
-            if (first == nullptr) first = layer;
-            if (layer->grid.quadtree != first->grid.quadtree ||
-                layer->grid.cell_log2 != first->grid.cell_log2 ||
-                layer->grid.cell_slices != first->grid.cell_slices)
-                break;
-        }
-        return std::max(end, from + 1);
-    }
-
-    std::shared_ptr<const Texture> together(std::span<const std::size_t> run) const {
-        std::vector<TypedLayer> layers;
-        const Grid* grid = nullptr;
-        for (const std::size_t index : run) {
-            const ReferencePlan* reference = typed(index);
-            if (reference != nullptr) grid = &reference->grid;
-            layers.push_back({reference, ranges_[index].least});
-        }
-        if (grid == nullptr) return nullptr;  // Constants alone
-        const auto types = make_layer_types(*grid, layers);
-        return types ? make_typed_texture(*grid, types) : nullptr;
+    /// One typed texture of all parts; null where they have no cells in common, or too many different ones.
+    static std::shared_ptr<const Texture> joint(const JointPart& whole) {
+        const auto grid = joint_grid(whole);
+        if (!grid) return nullptr;
+        auto types = make_joint_types(*grid, whole);
+        return types ? make_typed_texture(*grid, std::move(types)) : nullptr;
     }
 
     const Plan& plan_;
@@ -165,9 +183,9 @@ std::size_t pattern_bytes(const Plan& plan) {
         if (const auto* reference = std::get_if<ReferencePlan>(&texture.what))
             bytes = bytes_of(*reference);
         else if (const auto* map = std::get_if<PixelMapPlan>(&texture.what))
-            bytes = map->map->values.size() * 6 + (std::uint64_t{1} << 20);
+            bytes = map->map->values.size() * 6 + (std::uint64_t{is_joint(*map->map) ? 48 : 1} << 20);
         else if (const auto* layers = std::get_if<LayersPlan>(&texture.what))
-            bytes = layers->textures.size() > 1 ? std::uint64_t{32} << 20 : 0;
+            bytes = layers->textures.size() > 1 ? std::uint64_t{64} << 20 : 0;
         if (bytes > std::numeric_limits<std::uint64_t>::max() - total)
             return std::numeric_limits<std::size_t>::max();
         total += bytes;

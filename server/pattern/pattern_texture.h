@@ -13,6 +13,13 @@ class PatternTexture : public Texture {
     /// From this level on a texel covers whole cells whose looks are drawn; −1 if nothing is drawn by chance.
     /// Bounds that hold with a confidence count cells with it.
     virtual int cell_level() const noexcept = 0;
+
+    /// As evaluate(), for a composite that evaluates its parts several times for one page: cells are summed only
+    /// where that costs little.
+    virtual Result<Evaluation> evaluate_part(const TexelRegion& region, const Budget& budget,
+                                             LinearImage& out) const {
+        return evaluate(region, budget, out);
+    }
 };
 
 /// Compiles the plan's textures, from parts to wholes.

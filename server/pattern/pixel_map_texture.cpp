@@ -13,8 +13,11 @@ namespace {
 
 class PixelMapTexture final : public Texture, public Composite {
   public:
-    PixelMapTexture(const StoredMap& map, std::vector<Layer> parts)
-        : map_{map, parts.size()}, entry_log2_{map.cells_log2}, range_{parts[map_.at(0, 0)].range} {
+    PixelMapTexture(const StoredMap& map, std::vector<Layer> parts, std::shared_ptr<const Texture> joint)
+        : map_{map, parts.size()},
+          entry_log2_{map.cells_log2},
+          range_{parts[map_.at(0, 0)].range},
+          joint_{std::move(joint)} {
         for (Layer& part : parts) {
             if (part.texture) range_ = range_of_either(range_, part.range);
             parts_.push_back({CompositePart{std::move(part.texture)}, part.range});
@@ -24,12 +27,14 @@ class PixelMapTexture final : public Texture, public Composite {
     Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
                                 LinearImage& out) const override {
         if (const auto family = only_family(region)) return part(*family).evaluate(region, budget, out);
+        if (joint_ && region.level > entry_log2_) return joint_->evaluate(region, budget, out);
         // Each texel one family's: only families that are composites themselves have to descend
         return evaluate_descending(*this, region, budget, out);
     }
     Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
                                 Rgba8Image& out) const override {
         if (const auto family = only_family(region)) return part(*family).evaluate(region, budget, out);
+        if (joint_ && region.level > entry_log2_) return joint_->evaluate(region, budget, out);
         return Texture::evaluate(region, budget, out);
     }
     std::string_view kind() const noexcept override { return "pixel_map"; }
@@ -44,6 +49,7 @@ class PixelMapTexture final : public Texture, public Composite {
         std::size_t bytes = sizeof *this + map_.memory_bytes();
         for (const Part& part : parts_)
             if (part.is.texture() != nullptr) bytes += part.is.texture()->memory_bytes();
+        if (joint_) bytes += joint_->memory_bytes();
         return bytes;
     }
 
@@ -56,6 +62,12 @@ class PixelMapTexture final : public Texture, public Composite {
     }
     Result<Evaluation> compose(const TexelRegion& region, const Budget& budget, LinearImage& out,
                                std::vector<float>& bounds) const override {
+        if (joint_ && region.level > entry_log2_) {
+            const auto one = joint_->evaluate(region, budget, out);
+            if (one)
+                bounds.assign(out.values.size() / 4, static_cast<float>(one->bound_codes * code_in_linear));
+            return one;
+        }
         const Families families = families_in(region);
         out = LinearImage{region.width, region.height};
         bounds.assign(out.values.size() / 4, 0.0F);
@@ -177,12 +189,14 @@ class PixelMapTexture final : public Texture, public Composite {
     int entry_log2_;
     std::vector<Part> parts_;
     TexelRange range_;
+    std::shared_ptr<const Texture> joint_;  ///< Null, or exact at every level.
 };
 
 }  // namespace
 
-std::shared_ptr<const Texture> make_pixel_map_texture(const StoredMap& map, std::vector<Layer> parts) {
-    return std::make_shared<PixelMapTexture>(map, std::move(parts));
+std::shared_ptr<const Texture> make_pixel_map_texture(const StoredMap& map, std::vector<Layer> parts,
+                                                      std::shared_ptr<const Texture> joint) {
+    return std::make_shared<PixelMapTexture>(map, std::move(parts), std::move(joint));
 }
 
 }  // namespace tessera

@@ -6,12 +6,16 @@
 
 namespace tessera {
 
-TypedQuadtree::TypedQuadtree(std::uint64_t seed, std::uint32_t types) : seed_{seed}, types_{types} {
+TypedQuadtree::TypedQuadtree(std::uint64_t seed, std::uint32_t types, int below)
+    : seed_{seed}, types_{types}, below_{below}, top_{root_height + below} {
     std::vector<std::uint16_t> deck(std::size_t{types} * 4);
-    children_.resize(std::size_t{types} * root_height);
-    for (int height = 1; height <= root_height; ++height) {
+    children_.resize(std::size_t{types} * static_cast<std::size_t>(top_));
+    for (int height = 1; height <= top_; ++height) {
         // Shuffle a deck that holds every type four times (Fisher and Yates)
-        const std::uint64_t key = stream("typed quadtree", static_cast<std::uint64_t>(height));
+        const int of_seed = height - below;
+        const std::uint64_t key = of_seed > 0
+                                      ? stream("typed quadtree", static_cast<std::uint64_t>(of_seed))
+                                      : stream("typed quadtree below", static_cast<std::uint64_t>(-of_seed));
         for (std::size_t i = 0; i < deck.size(); ++i) {
             const std::uint32_t j = uniform_below(hash(seed, key, static_cast<std::int64_t>(i), 0),
                                                   static_cast<std::uint32_t>(i) + 1);
@@ -38,7 +42,7 @@ TypeGrid TypedQuadtree::types_of(int height, std::int64_t x, std::int64_t y, std
         return grid;
     };
 
-    TypeGrid grid = rectangle_at(root_height), below;
+    TypeGrid grid = rectangle_at(top_), below;
     // Two grids take turns, each as large as it will ever be
     grid.types.reserve(std::size_t(width + 2) * std::size_t(height_nodes + 2));
     below.types.reserve(grid.types.capacity());
@@ -49,7 +53,7 @@ TypeGrid TypedQuadtree::types_of(int height, std::int64_t x, std::int64_t y, std
             grid.types.push_back(static_cast<std::uint16_t>(
                 uniform_below(hash(seed_, roots, grid.x + column, grid.y + row), types_)));
 
-    int at_height = root_height;
+    int at_height = top_;
     if (grid.types.size() == 1) {
         // One path as long as one node holds all: most of the way, and for one texel all of it
         std::uint16_t type = grid.types.front();

@@ -36,18 +36,26 @@ class TypedQuadtree {
     /// hashed.
     static constexpr int root_height = 36;
 
-    /// `types`: T, a power of two from 64 to 16384.
-    TypedQuadtree(std::uint64_t seed, std::uint32_t types);
+    /// `types`: T, a power of two from 64 to 16384. `below`: where this tree's leaves lie in the tree of that
+    /// seed: so many heights below its leaves, or, negative, above them, 12 at most. Trees of one seed and as
+    /// many types are then one tree, looked at from units of different size.
+    TypedQuadtree(std::uint64_t seed, std::uint32_t types, int below = 0);
 
     std::uint32_t types() const noexcept { return types_; }
+    /// The same tree, with leaves `heights` above (or, negative, below) these.
+    TypedQuadtree lifted(int heights) const { return {seed_, types_, below_ - heights}; }
+    /// Whether `other` is this tree, with leaves so many heights above.
+    bool is_lifted(const TypedQuadtree& other, int heights) const noexcept {
+        return seed_ == other.seed_ && types_ == other.types_ && below_ - heights == other.below_;
+    }
 
-    /// Types of the children of a node of `height` (1 to root_height): top-left, top-right, bottom-left,
-    /// bottom-right.
+    /// Types of the children of a node of `height` (1 to root_height, more or less by `below`): top-left,
+    /// top-right, bottom-left, bottom-right.
     const std::array<std::uint16_t, 4>& children(int height, std::uint16_t type) const noexcept {
         return children_[static_cast<std::size_t>(height - 1) * types_ + type];
     }
 
-    /// The types of at least the nodes [x, x + width) × [y, y + height_nodes) of `height` (0 to root_height);
+    /// The types of at least the nodes [x, x + width) × [y, y + height_nodes) of `height` (from 0 on);
     /// the grid may be a node larger on each side. Walks the tree once: about 4/3 look-ups a node. `z` names
     /// the layer of units, where there is a third dimension: each has roots of its own.
     TypeGrid types_of(int height, std::int64_t x, std::int64_t y, std::int32_t width,
@@ -58,6 +66,8 @@ class TypedQuadtree {
   private:
     std::uint64_t seed_;
     std::uint32_t types_;
+    int below_;
+    int top_;                                             ///< The roots' height, counted from these leaves.
     std::vector<std::array<std::uint16_t, 4>> children_;  ///< [height − 1][type]
 };
 

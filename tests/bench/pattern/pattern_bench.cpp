@@ -185,6 +185,11 @@ int main() {
     levels("basic aperiodic tiling, independent", *independent, 3, 12);
     levels("dithered areas and transition tiles", *dithered, 6, 12);
     std::cout << "\n";
+    for (const std::uint8_t level : {std::uint8_t{10}, std::uint8_t{13}})
+        std::cout << "exact, level " << int{level} << ": independent "
+                  << page_time(*independent, level, 38, 1, Accuracy::exact) / 1e3 << " ms, dithered areas "
+                  << page_time(*dithered, level, 38, 1, Accuracy::exact) / 1e3 << " ms\n";
+    std::cout << "\n";
     extents("typed", *typed);
     extents("dithered", *dithered);
 

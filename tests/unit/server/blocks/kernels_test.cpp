@@ -93,6 +93,22 @@ TEST_P(BlockKernelsTest, LooksUpAndJoinsCorners) {
         ASSERT_EQ(out[i], values[i] + values[i + 1] * 8 + values[i + 2] * 64 + values[i + 3] * 512);
 }
 
+TEST_P(BlockKernelsTest, AddsTheColoursOfRuns) {
+    std::vector<std::int64_t> table(40);
+    for (std::int64_t& value : table) value = static_cast<std::int64_t>(random() >> 19);
+    std::vector<std::int32_t> indices(96);
+    for (std::int32_t& index : indices) index = static_cast<std::int32_t>(random() % 9) - 1;
+    for (const std::int32_t run : {1, 2, 3, 4, 8, 32}) {
+        std::vector<std::int64_t> sums(4 * 3, 5), expected = sums;
+        for (std::int32_t i = 0; i < 3 * run; ++i)
+            for (int c = 0; c < 4; ++c)
+                expected[static_cast<std::size_t>(i / run * 4 + c)] +=
+                    table[static_cast<std::size_t>((indices[static_cast<std::size_t>(i)] + 1) * 4 + c)];
+        kernels->add_colours(table.data() + 4, indices.data(), run, 3, sums.data());
+        ASSERT_EQ(sums, expected) << run;
+    }
+}
+
 TEST_P(BlockKernelsTest, NestsAsThePlainSetDoes) {
     const BlockKernels& plain = *block_kernels_of("x86-64");
     std::vector<std::uint32_t> first(500), second(500), digits(500);

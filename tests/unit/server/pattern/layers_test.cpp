@@ -51,6 +51,42 @@ TEST(Layers, OfOneGridAreExactAtEveryLevel) {
     }
 }
 
+/// `grid`, with cells 2^heights times as large, in the same quadtree.
+Grid lifted(const Grid& grid, int heights) {
+    Grid other = grid;
+    other.cell_log2 += heights;
+    other.quadtree = std::make_shared<const TypedQuadtree>(grid.quadtree->lifted(heights));
+    return other;
+}
+
+TEST(Layers, OfSeveralGridsInOneQuadtreeAreExactAtEveryLevel) {
+    const Grid grid = made_grid(5);
+    const Plan plan = plan_of({filled(lifted(grid, -2), 1, true), filled(lifted(grid, 1), 2, false),
+                               turned(grid, 3), LayersPlan{{0, 1, 2}}});
+    const auto texture = make_pattern_texture(plan);
+    const std::vector<std::shared_ptr<const Texture>> parts{
+        make_pattern_texture(plan_of({std::get<ReferencePlan>(plan.textures[0].what)})),
+        make_pattern_texture(plan_of({std::get<ReferencePlan>(plan.textures[1].what)})),
+        make_pattern_texture(plan_of({std::get<ReferencePlan>(plan.textures[2].what)}))};
+    // Level 0 is what the layers are by themselves
+    const TexelRegion square{0, -70, 33, 150, 90};
+    LinearImage expected = evaluated(*parts[0], square);
+    for (std::size_t k = 1; k < 3; ++k) {
+        const LinearImage layer = evaluated(*parts[k], square);
+        for (std::size_t i = 0; i < layer.values.size(); ++i)
+            expected.values[i] = layer.values[i] + (1 - layer.values[i / 4 * 4 + 3]) * expected.values[i];
+    }
+    EXPECT_LE(largest_difference(evaluated(*texture, square), expected), 1e-4);
+    for (std::uint8_t level = 1; level <= 13; ++level) {
+        Evaluation evaluation;
+        const TexelRegion region{level, -9, 70, 20, 24};
+        const LinearImage page = evaluated(*texture, region, Accuracy::fast, &evaluation);
+        EXPECT_LE(largest_difference(page, reduced(evaluated(*texture, below(region), Accuracy::fast))), 0.01)
+            << int(level);
+        EXPECT_LE(evaluation.bound_codes, 0.001);
+    }
+}
+
 TEST(Layers, OfOneGridEqualTheirCompositeAtLevelZero) {
     const Grid grid = made_grid(5);
     const std::vector<ReferencePlan> parts{filled(grid, 1, true), turned(grid, 2), filled(grid, 3, false)};

@@ -87,12 +87,17 @@ TEST(SparseMap, NamesTheFamiliesOfARectangle) {
     }
 }
 
-Plan mapped(const StoredMap& map) {
+/// `in_one_tree`: one quadtree decides all families, one of which has larger cells.
+Plan mapped(const StoredMap& map, bool in_one_tree = false) {
     Plan plan;
     const auto add = [&](auto what) { plan.textures.push_back({"t", what}); };
     for (std::uint64_t k = 0; k < 3; ++k) {
-        const Grid grid = made_grid(4, 256, k);
-        add(ReferencePlan{grid, made_patterns(16, 4, 1, k < 2, k),
+        Grid grid = made_grid(4, 256, in_one_tree ? 0 : k);
+        if (in_one_tree && k == 1) {
+            ++grid.cell_log2;
+            grid.quadtree = std::make_shared<const TypedQuadtree>(grid.quadtree->lifted(1));
+        }
+        add(ReferencePlan{grid, made_patterns(1 << grid.cell_log2, 4, 1, k < 2, k),
                           std::make_shared<MadeProgram>(made_looks(256, 4, 1, 1, k), false), nullptr});
     }
     add(GivenPlan{make_constant_texture({200, 20, 30, 255})});
@@ -163,6 +168,19 @@ TEST(PixelMap, OfConstantsIsExactAtEveryLevel) {
         EXPECT_LE(evaluation.bound_codes, 0.01);
         EXPECT_LE(largest_difference(page, reduced(evaluated(*texture, below(region), Accuracy::fast))),
                   0.01);
+    }
+}
+
+TEST(PixelMap, ThatRepeatsOverTypedCellsIsExactAtEveryLevel) {
+    // Families of one quadtree, on cells of two sizes; 64 texels to a period
+    const auto texture = make_pattern_texture(mapped(made_map(16, 16, 4, StoredMap::Edge::wrap, 2, 3), true));
+    for (std::uint8_t level = 1; level <= 14; ++level) {
+        Evaluation evaluation;
+        const TexelRegion region{level, -9, 70, 24, 20};
+        const LinearImage page = evaluated(*texture, region, Accuracy::fast, &evaluation);
+        EXPECT_LE(evaluation.bound_codes, 0.001) << int(level);
+        EXPECT_LE(largest_difference(page, reduced(evaluated(*texture, below(region), Accuracy::fast))), 0.01)
+            << int(level);
     }
 }
 

@@ -1,5 +1,7 @@
 #include "server/texture/typed_quadtree.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 namespace tessera {
@@ -37,6 +39,23 @@ TEST(TypedQuadtree, EveryTypeIsAChildEquallyOftenAtEveryHeight) {
         for (std::uint16_t type = 0; type < 128; ++type)
             for (const std::uint16_t child : tree.children(height, type)) ++counts[child];
         for (const int count : counts) ASSERT_EQ(count, 4);
+    }
+}
+
+TEST(TypedQuadtree, ALiftedTreeIsTheSameSeenFromLargerOrSmallerUnits) {
+    const TypedQuadtree tree{5, 256};
+    for (const int heights : {1, 4, 12, -1, -5, -12}) {
+        const TypedQuadtree lifted = tree.lifted(heights);
+        EXPECT_TRUE(tree.is_lifted(lifted, heights));
+        EXPECT_FALSE(tree.is_lifted(lifted, heights + 1));
+        for (const std::int64_t at : {std::int64_t{-300}, std::int64_t{1} << 23}) {
+            const int height = std::max(heights, 0);
+            const TypeGrid here = tree.types_of(height, at, -at, 20, 9, 3),
+                           there = lifted.types_of(height - heights, at, -at, 20, 9, 3);
+            for (std::int64_t y = -at; y < -at + 9; ++y)
+                for (std::int64_t x = at; x < at + 20; ++x)
+                    ASSERT_EQ(here.at(x, y), there.at(x, y)) << heights;
+        }
     }
 }
 
