@@ -184,6 +184,7 @@ Result<std::vector<FilterMeasurement>> measure_filters(const View& view, const G
         candidate.filter = &filter;
         candidate.sampler = filter.make();
         // The first pass pays for tables and pages, the others tell what the rest will take
+        bool cold = true;
         for (const std::size_t count : probed_pixels) {
             const std::vector<Footprint> probed = chosen_of(view, evenly(view.footprints.size(), count));
             std::vector<FilteredSample> samples(probed.size());
@@ -193,7 +194,8 @@ Result<std::vector<FilterMeasurement>> measure_filters(const View& view, const G
             const double seconds = processor_seconds() - begin;
             candidate.seconds_per_sample =
                 seconds / static_cast<double>(std::max<std::size_t>(probed.size(), 1));
-            if (seconds > options.picture_seconds / 20) break;
+            if (seconds > options.picture_seconds / (cold ? 2 : 20)) break;
+            cold = false;
         }
         candidates.push_back(std::move(candidate));
     }

@@ -14,7 +14,7 @@ namespace tessera {
 namespace {
 
 constexpr PlotColor ink{34, 32, 28}, quiet{112, 106, 96}, grid{232, 228, 220}, frame{190, 184, 174};
-constexpr std::int32_t panel_width = 420, panel_height = 380, left = 62, top = 58, gap = 34, bottom = 104;
+constexpr std::int32_t panel_width = 420, panel_height = 380, left = 62, top = 76, gap = 58, bottom = 118;
 
 struct Panel {
     std::string_view situation, title;
@@ -57,7 +57,7 @@ std::vector<const proto::AccuracyRow*> rows_of(const proto::AccuracyReport& repo
 std::string time_label(double nanoseconds) {
     char text[32];
     const auto [value, unit] = nanoseconds >= 1e6   ? std::pair{nanoseconds / 1e6, "ms"}
-                               : nanoseconds >= 1e3 ? std::pair{nanoseconds / 1e3, "µs"}
+                               : nanoseconds >= 1e3 ? std::pair{nanoseconds / 1e3, "us"}
                                                     : std::pair{nanoseconds, "ns"};
     std::snprintf(text, sizeof text, "%g %s", value, unit);
     return text;
@@ -148,14 +148,19 @@ class PanelDrawing {
 
 void draw_legend(PlotCanvas& canvas, const std::vector<const proto::AccuracyRow*>& rows) {
     double x = left;
-    const double y = top + panel_height + 78;
+    double y = top + panel_height + 74;
     for (const FilterFamily& family : filter_families) {
         const bool used =
             std::ranges::any_of(rows, [&](const auto* row) { return &family_of(row->filter()) == &family; });
         if (!used) continue;
+        const double width = 34 + 7.2 * static_cast<double>(family.title.size());
+        if (x + width > left + 3 * panel_width + 2 * gap) {
+            x = left;
+            y += 22;
+        }
         canvas.disc(x + 5, y - 4.5, 5, family.color);
         canvas.text(x + 15, y, 13, family.title, ink);
-        x += 32 + 7.0 * static_cast<double>(family.title.size());
+        x += width;
     }
 }
 
@@ -190,7 +195,7 @@ Rgba8Image draw_plot(const proto::AccuracyReport& report) {
                     Anchor::right);
         x += panel_width + gap;
     }
-    canvas.text(left - 56, top - 14, 13, "MSE, codes²", quiet);
+    canvas.text(left - 56, top - 12, 13, "mean squared error, codes squared", quiet);
     draw_legend(canvas, all);
     return canvas.finished();
 }

@@ -147,7 +147,11 @@ function drawPictures() {
   sizePictures();
 }
 const bestLine = (names) => names.filter((name) => name.startsWith('line-integral')).sort((a, b) => rowOf(a).mse - rowOf(b).mse)[0];
+let zoomed = false;
 function sizePictures() {
+  const wide = $('left-picture').naturalWidth;
+  // A small picture is shown about as wide as half the page, until somebody chooses otherwise
+  if (wide && !zoomed) $('zoom').value = Math.max(1, Math.round(700 / wide));
   for (const id of ['left-picture', 'right-picture']) if ($(id).naturalWidth) $(id).style.width = $(id).naturalWidth * $('zoom').value + 'px';
 }
 function divide(share) {
@@ -280,7 +284,7 @@ for (const side of ['left', 'right']) {
   $(`${side}-picture`).addEventListener('load', sizePictures);
 }
 $('flip').addEventListener('click', flip);
-$('zoom').addEventListener('input', sizePictures);
+$('zoom').addEventListener('input', () => { zoomed = true; sizePictures(); });
 $('everywhere').addEventListener('change', drawTable);
 const compare = $('compare'), dragTo = (event) => { const box = compare.getBoundingClientRect(); divide((event.clientX - box.left) / box.width); };
 compare.addEventListener('pointerdown', (event) => { compare.setPointerCapture(event.pointerId); dragTo(event); event.preventDefault(); });

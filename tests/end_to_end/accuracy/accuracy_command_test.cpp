@@ -89,8 +89,12 @@ TEST_F(AccuracyCommand, WritesAReportThatStandsByItself) {
         EXPECT_GT(row.pixels(), 0u);
         EXPECT_EQ(row.truth_mse() == 0, row.texture() == "checker") << row.filter();
         for (const std::string& picture : {row.picture(), row.error_picture(), row.count_picture()})
-            if (!picture.empty()) EXPECT_TRUE(fs::exists(folder_ / "report" / picture)) << picture;
-        if (row.texture() == "checker" && row.filter() == "exact") EXPECT_LT(row.mse(), 0.01);
+            if (!picture.empty()) {
+                EXPECT_TRUE(fs::exists(folder_ / "report" / picture)) << picture;
+            }
+        if (row.texture() == "checker" && row.filter() == "exact") {
+            EXPECT_LT(row.mse(), 0.01);
+        }
     }
     EXPECT_THAT(textures, testing::ElementsAre("board", "checker", "photo"));
     EXPECT_EQ(situations.size(), 3u);

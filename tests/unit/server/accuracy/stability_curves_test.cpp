@@ -11,14 +11,15 @@ TEST(StabilityCurves, A65536TexelColumnIsExactInIntegersAndACodeOffInFloats) {
     EXPECT_GT(errors.floats, 0.25);
 }
 
-TEST(StabilityCurves, FloatsGetWorseWithTheLengthAndIntegersDoNot) {
+TEST(StabilityCurves, FloatsGetWorseUntilAllIsLostAndIntegersDoNot) {
     double before = -1;
     for (const int log2 : {8, 12, 16, 20, 22}) {
         const ColumnErrors errors = column_errors(std::size_t{1} << log2);
-        EXPECT_GT(errors.floats, before) << log2;
+        EXPECT_GE(errors.floats, before) << log2;
         EXPECT_EQ(errors.integers, 0) << log2;
         before = errors.floats;
     }
+    EXPECT_GT(before, 2);
 }
 
 TEST(StabilityCurves, TablesFailEarlierSinceTheirSumsGrowWithTheArea) {
