@@ -12,7 +12,7 @@
 #include "server/accuracy/report_rows.h"
 #include "server/accuracy/stability_curves.h"
 #include "server/accuracy/view_pictures.h"
-#include "server/scene/whole_file.h"
+#include "server/files/whole_file.h"
 #include "server/filter/texel_pages.h"
 #include "server/prepare/prepare.h"
 #include "server/scenes/paint_pebbles.h"

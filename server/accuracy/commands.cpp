@@ -12,7 +12,7 @@
 #include "server/accuracy/accuracy_run.h"
 #include "server/accuracy/exported_textures.h"
 #include "server/accuracy/report_files.h"
-#include "server/scene/whole_file.h"
+#include "server/files/whole_file.h"
 #include "server/prepare/photo_options.h"
 #include "server/progress/interrupt.h"
 #include "server/progress/terminal_progress.h"

@@ -7,7 +7,7 @@
 #include "server/accuracy/filter_measurement.h"
 #include "server/accuracy/measured_texture.h"
 #include "server/accuracy/report_rows.h"
-#include "server/scene/whole_file.h"
+#include "server/files/whole_file.h"
 #include "shared/wire/json.h"
 
 namespace tessera {

@@ -6,7 +6,7 @@
 
 #include "server/accuracy/plot_picture.h"
 #include "server/accuracy/report_page.h"
-#include "server/scene/whole_file.h"
+#include "server/files/whole_file.h"
 #include "server/pages/page_encoder.h"
 #include "shared/wire/json.h"
 

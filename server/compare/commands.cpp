@@ -18,7 +18,7 @@
 #include "server/progress/terminal_progress.h"
 #include "server/scene/asset_file.h"
 #include "server/scene/image_file.h"
-#include "server/scene/whole_file.h"
+#include "server/files/whole_file.h"
 #include "server/scenes/paint_pebbles.h"
 
 namespace tessera {

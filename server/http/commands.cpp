@@ -28,6 +28,7 @@ struct ServeArguments {
     std::size_t cache_mb = 256;
     std::size_t sample_mb = 512;
     double deadline_seconds = 10;
+    bool keep_no_edits = false;
     ServerOptions options;
 };
 
@@ -48,6 +49,14 @@ Result<void> read_listen(const std::string& text, ServerOptions& options) {
     return {};
 }
 
+/// The scenes with their edits.
+std::shared_ptr<const Catalog> with_edits(Server& server, const Catalog& scenes) {
+    auto catalog = std::make_shared<Catalog>(scenes);
+    SilentProgress progress;
+    server.edits().adopt(*catalog, progress);
+    return catalog;
+}
+
 /// Whatever goes wrong, the server goes on with what it has.
 void reload(Server& server, const ServerOptions& options, const std::stop_token& stop) {
     const auto failed = [&](std::string_view why) {
@@ -59,7 +68,7 @@ void reload(Server& server, const ServerOptions& options, const std::stop_token&
         const auto site = load_site(options, stop);
         if (stop.stop_requested()) return;
         if (!site) return failed(site.error().detail);
-        server.publish(site->catalog, site->web);
+        server.publish(with_edits(server, *site->catalog), site->web);
         spdlog::info("reloaded: {} scenes", site->catalog->scenes.size());
     } catch (const std::exception& unexpected) {
         failed(unexpected.what());
@@ -75,6 +84,8 @@ Result<void> serve(ServeArguments& arguments) {
     options.samples.threads = options.pages.threads;
     options.samples.memory_bytes = arguments.sample_mb << 20;
     options.samples.deadline = options.pages.deadline;
+    if (options.edits.folder.empty()) options.edits.folder = options.scenes / ".edits";
+    if (arguments.keep_no_edits) options.edits.folder.clear();
 
     const sigset_t signals = block_signals();
     auto server = Server::start(options);
@@ -91,7 +102,7 @@ Result<void> serve(ServeArguments& arguments) {
     const auto site = load_site(options, stop.get_token());
     if (stop.stop_requested()) return {};
     if (!site) return site.error();
-    (*server)->publish(site->catalog, site->web);
+    (*server)->publish(with_edits(**server, *site->catalog), site->web);
     std::printf("tessera: listening on %s\n", address.c_str());
     std::fflush(stdout);
 
@@ -130,6 +141,9 @@ void add_serve_command(CLI::App& app, int& exit_code) {
                      "Memory for texels and tables of sampled scenes, in MiB")
         ->check(CLI::Range(16, 1 << 20))
         ->capture_default_str();
+    command->add_option("--edits", options.edits.folder,
+                        "Where the journals of edits are kept (default: .edits in the folder of scenes)");
+    command->add_flag("--keep-no-edits", arguments->keep_no_edits, "Edits last as long as the server runs");
     command
         ->add_option("--max-connections", options.max_connections,
                      "Open connections; one more is answered with 503")

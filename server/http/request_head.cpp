@@ -40,7 +40,7 @@ bool is_authority(std::string_view text) {
 }  // namespace
 
 bool is_posted_to(std::string_view path) noexcept {
-    return path.starts_with("/scenes/") && path.ends_with("/sample");
+    return path.starts_with("/scenes/") && (path.ends_with("/sample") || path.ends_with("/edits"));
 }
 
 std::optional<Refusal> RequestHead::parse(std::string_view raw, const SessionLimits& limits) {

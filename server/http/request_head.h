@@ -12,7 +12,7 @@
 
 namespace tessera {
 
-/// Whether requests to this path are made with POST and a body: /scenes/{id}/sample.
+/// Whether requests to this path are made with POST and a body: /scenes/{id}/sample and /edits.
 bool is_posted_to(std::string_view path) noexcept;
 
 /// A request as far as its header goes, past the strict gate: one Host, one framing, a sane target, a method
@@ -34,6 +34,7 @@ class RequestHead {
     std::string_view host;   ///< Name and port as sent, "localhost" where an HTTP/1.0 client sent none.
     bool keep_alive = false;
     std::size_t body_bytes = 0;     ///< That follow the header: of a POST, at most SessionLimits::body_bytes.
+    bool from_loopback = false;     ///< Set by the session; false also for what a proxy passes on.
     bool expects_continue = false;  ///< The client waits for "100 Continue" before it sends them.
 
     /// The value of a header field; empty if there is none.

@@ -66,6 +66,10 @@ Routes::Outcome Routes::route(const RequestHead& request, const Site& site) {
         const ScenePtr scene = site.catalog->find((*segments)[1]);
         return scene ? sample(request, scene) : refusal_answer(no_such_scene((*segments)[1]));
     }
+    if (segments->size() == 3 && segments->back() == "edits") {
+        const ScenePtr scene = site.catalog->find((*segments)[1]);
+        return scene ? edit(request, *scene) : refusal_answer(no_such_scene((*segments)[1]));
+    }
     if (!request.query.empty()) return refusal_answer({400, "this address takes no parameters", false});
     if (segments->size() == 1) return scene_list(request, *site.catalog);
     if (segments->size() == 2) {

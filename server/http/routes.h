@@ -7,6 +7,7 @@
 
 #include <prometheus/registry.h>
 
+#include "server/edits/edit_service.h"
 #include "server/http/address.h"
 #include "server/http/answer.h"
 #include "server/http/request_head.h"
@@ -36,6 +37,13 @@ struct PendingSample {
     SampleCall call;  ///< Without its body.
 };
 
+/// An edit whose body has to be read first.
+struct PendingEdit {
+    std::string scene;
+    WireCoding coding{};  ///< Of the body.
+    WireCoding answer_coding{};
+};
+
 /// Request -> answer, or the page that will be it. Pure but for counters and the cache: no sockets, nothing
 /// that blocks. May be called from any thread.
 class Routes {
@@ -44,7 +52,7 @@ class Routes {
     Routes(PageService& pages, SampleService& samples, prometheus::Registry& registry)
         : pages_{pages}, samples_{samples}, registry_{registry} {}
 
-    using Outcome = std::variant<Answer, PendingPage, PendingSample>;
+    using Outcome = std::variant<Answer, PendingPage, PendingSample, PendingEdit>;
     Outcome route(const RequestHead& request, const Site& site);
 
     /// The answer that a page is; `from_cache` is for Server-Timing alone.
@@ -55,7 +63,15 @@ class Routes {
     /// Takes the reply's body.
     static Answer sample_answer(SampleReply& reply);
 
+    /// An edit's longest body; more is 413.
+    static constexpr std::size_t max_edit_bytes = std::size_t{256} << 10;
+
+    /// The edit in a body, or the answer that says what is wrong with it.
+    static Result<proto::Edit> read_edit(const std::string& body, WireCoding coding);
+    static Answer edit_answer(const EditOutcome& outcome, WireCoding coding);
+
   private:
+    Outcome edit(const RequestHead& request, const Scene& scene);
     Outcome sample(const RequestHead& request, const ScenePtr& scene);
     static Answer page_not_modified(PageId id, const PageOptions& options, bool pinned);
     Outcome page(const RequestHead& request, const Site& site, const std::vector<std::string>& segments);

@@ -19,11 +19,12 @@ Server::Server(const ServerOptions& options)
       metrics_{registry_},
       pages_{options.pages, registry_, page_prelude},
       samples_{options.samples, registry_},
+      edits_{options.edits},
       bodies_{options.bodies_bytes},
       routes_{pages_, samples_, registry_} {
     for (std::size_t i = 0; i < std::max<std::size_t>(options.io_threads, 1); ++i)
         threads_.push_back(std::make_unique<IoThread>(
-            SessionContext{options.session, routes_, pages_, samples_, bodies_, metrics_}));
+            SessionContext{options.session, routes_, pages_, samples_, edits_, bodies_, metrics_}));
 }
 
 Result<std::unique_ptr<Server>> Server::start(const ServerOptions& options) {
@@ -104,6 +105,7 @@ void Server::stop() {
     for (const auto& thread : threads_) thread->thread.join();
     pages_.stop();
     samples_.stop();
+    edits_.close();
 }
 
 std::uint16_t Server::port() const { return listener_->endpoint().port(); }

@@ -46,6 +46,7 @@ class Server {
 
     PageService& pages() noexcept { return pages_; }
     SampleService& samples() noexcept { return samples_; }
+    EditService& edits() noexcept { return edits_; }
     HttpMetrics& metrics() noexcept { return metrics_; }
 
   private:
@@ -61,6 +62,7 @@ class Server {
     HttpMetrics metrics_;
     PageService pages_;
     SampleService samples_;
+    EditService edits_;
     BodyBudget bodies_;
     Routes routes_;
     std::vector<std::unique_ptr<IoThread>> threads_;

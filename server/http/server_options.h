@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <string>
 
+#include "server/edits/edit_service.h"
 #include "server/pages/page_service.h"
 #include "server/sampling/sample_service.h"
 
@@ -40,6 +41,7 @@ struct ServerOptions {
     std::size_t bodies_bytes = std::size_t{128} << 20;  ///< Of all bodies together. Beyond it 503.
     PageServiceLimits pages;
     SampleServiceLimits samples;
+    EditOptions edits;
 };
 
 }  // namespace tessera

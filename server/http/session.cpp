@@ -33,6 +33,17 @@ constexpr std::size_t body_step_bytes = 65536;
 /// An evaluation looks at its deadline about once a row; a session waits a little longer than that.
 constexpr std::chrono::milliseconds deadline_slack{500};
 
+/// For the disk, before an edit's fate is said to be unknown.
+constexpr std::chrono::milliseconds edit_patience{30'000};
+
+struct NoTicket {};
+
+bool is_loopback(const PageSocket& socket) {
+    boost::system::error_code failure;
+    const auto peer = socket.remote_endpoint(failure);
+    return !failure && peer.address().is_loopback();
+}
+
 Task<void> pass(std::chrono::milliseconds time) {
     Timer timer{co_await asio::this_coro::executor, time};
     co_await timer.async_wait(as_tuple);
@@ -168,14 +179,62 @@ Task<bool> Session::answer_request(std::size_t head_bytes) {
         const bool keep_alive = !refusal->close && request.keep_alive;
         co_return co_await send(refusal_answer(*refusal), !request.is(http::verb::head), keep_alive);
     }
+    request.from_loopback =
+        is_loopback(socket_) && request["Forwarded"].empty() && request["X-Forwarded-For"].empty();
     Routes::Outcome outcome = context_.routes.route(request, context_.site);
     if (auto* pending = std::get_if<PendingPage>(&outcome))
         co_return co_await wait_for_page(std::move(*pending), request, request.keep_alive);
     if (auto* pending = std::get_if<PendingSample>(&outcome))
         co_return co_await wait_for_samples(std::move(*pending), request, head_bytes);
+    if (auto* pending = std::get_if<PendingEdit>(&outcome))
+        co_return co_await wait_for_edit(std::move(*pending), request, head_bytes);
     Answer& answer = std::get<Answer>(outcome);
     answer.close = answer.close || request.body_bytes != 0;  // which nobody has read
     co_return co_await send(answer, !request.is(http::verb::head), request.keep_alive);
+}
+
+Answer Session::body_refusal(ReadEnd end) {
+    return refusal_answer(end == ReadEnd::too_slow
+                              ? Refusal{408, "the body did not arrive in time", true}
+                              : Refusal{503, "too many large requests at once; ask again in a second", true});
+}
+
+/// An edit that was read is made whether the client waits for its answer or not.
+Task<bool> Session::wait_for_edit(PendingEdit pending, const RequestHead& request, std::size_t head_bytes) {
+    using namespace asio::experimental::awaitable_operators;
+    BodyBudget::Share share{context_.bodies};
+    std::string body;
+    const ReadEnd end = co_await read_body(head_bytes, request, share, body);
+    if (end == ReadEnd::closed) co_return false;
+    if (end != ReadEnd::complete) {
+        const Answer answer = body_refusal(end);
+        co_return co_await send(answer, true, false);
+    }
+    auto edit = Routes::read_edit(body, pending.coding);
+    if (!edit) {
+        const Answer answer = refusal_answer({400, edit.error().detail, false});
+        co_return co_await send(answer, true, request.keep_alive);
+    }
+    deadline_ = Clock::time_point::max();
+    auto outcome = co_await (async_ticketed<EditOutcome, NoTicket>(
+                                 socket_.get_executor(),
+                                 [this, &pending, &edit](std::function<void(Result<EditOutcome>)> handler) {
+                                     context_.edits.edit(pending.scene, std::move(*edit),
+                                                         [handler = std::move(handler)](EditOutcome how) {
+                                                             handler(std::move(how));
+                                                         });
+                                     return NoTicket{};
+                                 },
+                                 use_task) ||
+                             client_leaves() || pass(edit_patience));
+    if (outcome.index() == 1) co_return false;
+    const EditOutcome how =
+        outcome.index() == 0
+            ? std::move(std::get<0>(outcome).value())
+            : EditRefusal{EditRefusal::Why::unknown,
+                          "the disk takes too long; send the edit again to learn whether it is in", 0};
+    const Answer answer = Routes::edit_answer(how, pending.answer_coding);
+    co_return co_await send(answer, true, request.keep_alive);
 }
 
 /// Reads the body, and then waits as wait_for_page() does.
@@ -186,11 +245,7 @@ Task<bool> Session::wait_for_samples(PendingSample pending, const RequestHead& r
     const ReadEnd end = co_await read_body(head_bytes, request, share, pending.call.body);
     if (end == ReadEnd::closed) co_return false;
     if (end != ReadEnd::complete) {
-        const Refusal refusal =
-            end == ReadEnd::too_slow
-                ? Refusal{408, "the body did not arrive in time", true}
-                : Refusal{503, "too many large requests at once; ask again in a second", true};
-        const Answer answer = refusal_answer(refusal);
+        const Answer answer = body_refusal(end);
         co_return co_await send(answer, true, false);
     }
 

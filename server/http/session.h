@@ -41,6 +41,7 @@ struct SessionContext {
     Routes& routes;
     PageService& pages;
     SampleService& samples;
+    EditService& edits;
     BodyBudget& bodies;
     HttpMetrics& metrics;
     Site site{};                     ///< Replaced on this thread.
@@ -77,6 +78,8 @@ class Session : public std::enable_shared_from_this<Session> {
     Task<ReadEnd> read_body(std::size_t head_bytes, const RequestHead& request, BodyBudget::Share& share,
                             std::string& body);
     Task<bool> answer_request(std::size_t head_bytes);
+    static Answer body_refusal(ReadEnd end);
+    Task<bool> wait_for_edit(PendingEdit pending, const RequestHead& request, std::size_t head_bytes);
     Task<bool> wait_for_samples(PendingSample pending, const RequestHead& request, std::size_t head_bytes);
     Task<bool> wait_for_page(PendingPage pending, const RequestHead& request, bool keep_alive);
     Task<void> client_leaves();

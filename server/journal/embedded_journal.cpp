@@ -18,10 +18,10 @@ constexpr std::size_t questions_at_once = 64;
 constexpr std::size_t snapshot_queue = 16;
 constexpr std::size_t idle_forgets = 1024;  ///< Edits forgotten in one commit where nobody waits.
 
-Refused closed() { return {Refusal::unavailable, "the journal is closed"}; }
+Refused closed() { return {RefusalReason::unavailable, "the journal is closed"}; }
 
 Refused refusal_of(const JournalStore::Failure& failure) {
-    return {failure.full ? Refusal::full : Refusal::unavailable, failure.detail};
+    return {failure.full ? RefusalReason::full : RefusalReason::unavailable, failure.detail};
 }
 
 std::size_t bytes_of(const std::vector<Append>& edits) noexcept {
@@ -68,7 +68,7 @@ void EmbeddedJournal::append(std::vector<Append> batch, Handler<std::vector<Appe
     const std::size_t count = batch.size(), bytes = bytes_of(batch);
     std::optional<Refused> refused;
     if (count > limits_.batch_edits) {
-        refused = Refused{Refusal::too_large, "the batch has " + std::to_string(count) +
+        refused = Refused{RefusalReason::too_large, "the batch has " + std::to_string(count) +
                                                   " edits, more than " + std::to_string(limits_.batch_edits)};
     } else if (count != 0) {
         const std::lock_guard lock{mutex_};
@@ -76,7 +76,7 @@ void EmbeddedJournal::append(std::vector<Append> batch, Handler<std::vector<Appe
             refused = closed();
         } else if (queued_edits_ + count > limits_.queued_edits ||
                    (queued_edits_ != 0 && queued_bytes_ + bytes > limits_.queued_bytes)) {
-            refused = Refused{Refusal::overloaded, std::to_string(queued_edits_) + " edits wait already"};
+            refused = Refused{RefusalReason::overloaded, std::to_string(queued_edits_) + " edits wait already"};
         } else {
             queued_edits_ += count;
             queued_bytes_ += bytes;
@@ -111,7 +111,7 @@ Journal::Ticket EmbeddedJournal::follow(Revision from, Handler<History> handler)
             work_arrived_.notify_one();
             return ticket;
         }
-        if (!closing_) refused = {Refusal::overloaded, "too many questions wait for the journal"};
+        if (!closing_) refused = {RefusalReason::overloaded, "too many questions wait for the journal"};
     }
     ticket->handler(refused);
     return ticket;
@@ -208,7 +208,7 @@ void EmbeddedJournal::decide(Batch& batch, std::vector<Edit>& fresh,
         } else {
             Result<std::optional<Edit>> from_store = edits_->find(append.id);
             if (!from_store) {
-                batch.outcomes.emplace_back(Refused{Refusal::unavailable, from_store.error().detail});
+                batch.outcomes.emplace_back(Refused{RefusalReason::unavailable, from_store.error().detail});
                 continue;
             }
             stored = std::move(*from_store);
@@ -220,7 +220,7 @@ void EmbeddedJournal::decide(Batch& batch, std::vector<Edit>& fresh,
         Edit edit{standing.head + 1, append.id, now, {}};
         if (!outcome) {
             if (bytes + append.bytes.size() > horizon_.bytes) {
-                outcome = Refused{Refusal::full, "the journal holds " + std::to_string(bytes) + " of " +
+                outcome = Refused{RefusalReason::full, "the journal holds " + std::to_string(bytes) + " of " +
                                                      std::to_string(horizon_.bytes) +
                                                      " bytes: it has room again after the next snapshot"};
             } else if (trouble_ && std::chrono::steady_clock::now() < retry_at_) {
@@ -231,7 +231,7 @@ void EmbeddedJournal::decide(Batch& batch, std::vector<Edit>& fresh,
             // What stems from edits of this commit falls with them
             const Refused* const refused = std::get_if<Refused>(&*outcome);
             batch.of_this_commit[i] =
-                !fresh.empty() && !stored && !(refused != nullptr && refused->why == Refusal::too_large);
+                !fresh.empty() && !stored && !(refused != nullptr && refused->why == RefusalReason::too_large);
             batch.outcomes.push_back(std::move(*outcome));
             continue;
         }
@@ -322,7 +322,7 @@ bool EmbeddedJournal::serve(Follow& follow) {
     if (edits)
         follow.handler(std::move(*edits));
     else
-        follow.handler(Refused{Refusal::unavailable, edits.error().detail});
+        follow.handler(Refused{RefusalReason::unavailable, edits.error().detail});
     return true;
 }
 

@@ -58,7 +58,7 @@ struct Unknown {
 };
 
 /// Not in, and why, as far as a client would act on it differently.
-enum class Refusal {
+enum class RefusalReason {
     other_content,    ///< The id is that of an accepted edit with other bytes: a client's bug.
     too_large,        ///< The edit, or the batch.
     outside_horizon,  ///< `known` is older than what the journal remembers, or no revision of it: read the
@@ -69,7 +69,7 @@ enum class Refusal {
 };
 
 struct Refused {
-    Refusal why{};
+    RefusalReason why{};
     std::string detail;  ///< For people: what, and the fix.
     bool operator==(const Refused& other) const { return why == other.why; }
 };

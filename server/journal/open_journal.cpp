@@ -1,5 +1,6 @@
 #include "server/journal/open_journal.h"
 
+#include "server/files/whole_file.h"
 #include "server/journal/embedded_journal.h"
 #include "server/journal/memory_store.h"
 #include "server/journal/snapshot_folder.h"

@@ -11,6 +11,8 @@
 #include <unistd.h>
 #include <xxhash.h>
 
+#include "server/files/whole_file.h"
+
 namespace tessera {
 namespace {
 
@@ -75,12 +77,6 @@ bool read_all(int file, char* bytes, std::size_t count) {
 }
 
 }  // namespace
-
-Result<void> sync_folder(const std::filesystem::path& folder) {
-    const File file{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
-    if (file.number < 0 || ::fsync(file.number) != 0) return failed("cannot be synced", folder);
-    return {};
-}
 
 Result<std::unique_ptr<SnapshotFolder>> SnapshotFolder::open(std::filesystem::path folder, EditId lineage,
                                                              Revision head) {

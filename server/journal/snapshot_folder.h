@@ -30,7 +30,4 @@ class SnapshotFolder final : public SnapshotStore {
     std::vector<Revision> revisions_;  ///< Oldest first.
 };
 
-/// Makes the names in `folder` durable. A failure's message names it.
-Result<void> sync_folder(const std::filesystem::path& folder);
-
 }  // namespace tessera

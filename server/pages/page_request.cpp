@@ -11,7 +11,10 @@
 
 namespace tessera {
 
-std::uint64_t page_revision(const Scene&, PageKey) noexcept { return 0; }  // scenes take no edits yet
+std::uint64_t page_revision(const Scene& scene, PageKey key) noexcept {
+    // One revision for every gutter that can be asked for
+    return scene.page_revisions.of(key, max_gutter_texels);
+}
 
 PageId page_id(const PageRequest& request) {
     // Every field at its full width, in a fixed order

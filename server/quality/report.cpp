@@ -9,7 +9,7 @@
 #include "server/quality/pictures.h"
 #include "server/quality/report_json.h"
 #include "server/quality/report_page.h"
-#include "server/scene/whole_file.h"
+#include "server/files/whole_file.h"
 
 namespace tessera {
 namespace {

@@ -8,7 +8,7 @@
 #include "server/scene/asset_file.h"
 #include "server/scene/image_file.h"
 #include "server/scene/shape_sheet.h"
-#include "server/scene/whole_file.h"
+#include "server/files/whole_file.h"
 #include "shared/wire/json.h"
 
 namespace tessera {

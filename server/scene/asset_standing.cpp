@@ -4,7 +4,7 @@
 
 #include "server/scene/asset_check.h"
 #include "server/scene/asset_file.h"
-#include "server/scene/whole_file.h"
+#include "server/files/whole_file.h"
 #include "shared/wire/json.h"
 
 namespace tessera {

@@ -6,6 +6,7 @@
 
 #include "server/scene/compile_exchange.h"
 #include "server/scene/compile_pattern.h"
+#include "server/scene/compile_sprites.h"
 #include "server/scene/scene.h"
 #include "server/texture/constant_texture.h"
 #include "server/texture/exchange.h"
@@ -60,23 +61,8 @@ Result<void> set(Result<std::shared_ptr<const Texture>> texture, Scene& scene) {
     return {};
 }
 
-Result<void> compile_clock(const fs::path& file, const proto::Clock& clock, Scene& scene) {
-    const double rate = clock.steps_per_second();
-    if (!(rate == 0 || (rate > 0 && rate <= 1000)))
-        return invalid(file, "clock.steps_per_second: is no number above 0 and at most 1000");
-    if (rate > 0) scene.steps_per_second = rate;
-    if (clock.loop_steps() < 0 || clock.loop_steps() > max_step)
-        return invalid(file,
-                       "clock.loop_steps: is " + std::to_string(clock.loop_steps()) + "; from 0 to 2^62");
-    scene.loop_steps = clock.loop_steps();
-    return {};
-}
-
-}  // namespace
-
-Result<void> compile_scene(const fs::path& folder, const fs::path& file, const proto::Scene& message,
-                           Scene& scene) {
-    if (auto clock = compile_clock(file, message.clock(), scene); !clock) return clock;
+Result<void> compile_texture(const fs::path& folder, const fs::path& file, const proto::Scene& message,
+                             Scene& scene) {
     switch (message.texture_case()) {
         case proto::Scene::kConstant: {
             const auto color = to_color(file, "constant.color", message.constant().color());
@@ -100,6 +86,27 @@ Result<void> compile_scene(const fs::path& folder, const fs::path& file, const p
     return invalid(
         file,
         "has no texture; give it one of constant, checker, content_exchange, interchange, wang, pattern");
+}
+
+Result<void> compile_clock(const fs::path& file, const proto::Clock& clock, Scene& scene) {
+    const double rate = clock.steps_per_second();
+    if (!(rate == 0 || (rate > 0 && rate <= 1000)))
+        return invalid(file, "clock.steps_per_second: is no number above 0 and at most 1000");
+    if (rate > 0) scene.steps_per_second = rate;
+    if (clock.loop_steps() < 0 || clock.loop_steps() > max_step)
+        return invalid(file,
+                       "clock.loop_steps: is " + std::to_string(clock.loop_steps()) + "; from 0 to 2^62");
+    scene.loop_steps = clock.loop_steps();
+    return {};
+}
+
+}  // namespace
+
+Result<void> compile_scene(const fs::path& folder, const fs::path& file, const proto::Scene& message,
+                           Scene& scene) {
+    if (auto texture = compile_texture(folder, file, message, scene); !texture) return texture;
+    if (auto clock = compile_clock(file, message.clock(), scene); !clock) return clock;
+    return message.has_sprites() ? compile_sprites(folder, file, message.sprites(), scene) : Result<void>{};
 }
 
 }  // namespace tessera

@@ -11,7 +11,7 @@
 #include <webp/decode.h>
 
 #include "server/scene/png_file.h"
-#include "server/scene/whole_file.h"
+#include "server/files/whole_file.h"
 
 namespace tessera {
 namespace {

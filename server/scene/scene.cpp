@@ -98,6 +98,7 @@ Result<ScenePtr> load_scene(const fs::path& folder) {
 }
 
 ScenePtr Catalog::find(std::string_view id) const {
+    if (const auto now = edited.find(id); now != edited.end()) return now->second->now();
     const auto found = scenes.find(id);
     return found == scenes.end() ? nullptr : found->second;
 }

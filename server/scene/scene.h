@@ -12,8 +12,12 @@
 #include "server/texture/texture.h"
 #include "shared/page/page_key.h"
 #include "shared/result/result.h"
+#include "shared/revisions/page_revisions.h"
+#include "shared/sprites/positioning_map.h"
 
 namespace tessera {
+
+class SpriteImages;
 
 /// A loaded scene: immutable, shared by everything that answers for it.
 struct Scene {
@@ -21,15 +25,19 @@ struct Scene {
     std::string title;
     std::string attribution;
     Extent extent;
-    std::uint64_t revision = 0;  ///< Accepted edits so far.
+    std::uint64_t revision = 0;      ///< Accepted edits so far.
+    PageRevisions page_revisions{};  ///< Which of them touched what.
     std::string fingerprint;  ///< 16 hex digits over the scene file, its assets and the evaluator's version.
     std::shared_ptr<const Texture> texture;  ///< The colour: the channel set "albedo".
     std::vector<Channels> channels;          ///< The other sets it has, in the order of ChannelSet.
     /// Slices after which the texture is the same again: 1 without a third dimension, 0 if it never is.
     std::int32_t slices = 1;
-    bool animated = false;         ///< Whether anything changes with the step.
-    double steps_per_second = 10;  ///< At which players show it.
-    std::int64_t loop_steps = 0;   ///< After which players begin again at step 0; 0: never.
+    std::shared_ptr<const Texture> ground;              ///< What sprites lie over; null: the scene has none.
+    std::shared_ptr<const SpriteImages> sprite_images;  ///< What they look like.
+    PositioningMap sprites;                             ///< Where they are.
+    bool animated = false;                              ///< Whether anything changes with the step.
+    double steps_per_second = 10;                       ///< At which players show it.
+    std::int64_t loop_steps = 0;  ///< After which players begin again at step 0; 0: never.
     std::string block_list;  ///< Of a pattern, for `tessera check`: a line for each block of the scene file.
 
     /// The least slice, from 0 on, that looks like this one; the slice itself where none repeats.
@@ -64,16 +72,28 @@ bool is_scene_id(std::string_view id);
 /// io_failure; the message names file, field and fix.
 Result<ScenePtr> load_scene(const std::filesystem::path& folder);
 
+/// A scene that changes while it is served.
+class SceneNow {
+  public:
+    virtual ~SceneNow() = default;
+    SceneNow() = default;
+    SceneNow(const SceneNow&) = delete;
+    SceneNow& operator=(const SceneNow&) = delete;
+    /// As it is now, with its revision. Takes no time; from any thread.
+    virtual ScenePtr now() const = 0;
+};
+
 /// All scenes of a folder of scenes. One broken scene does not stop the others.
 struct Catalog {
     struct Problem {
         std::string id;
         std::string message;
     };
-    std::map<std::string, ScenePtr, std::less<>> scenes;
+    std::map<std::string, ScenePtr, std::less<>> scenes;                         ///< As their folders say.
+    std::map<std::string, std::shared_ptr<const SceneNow>, std::less<>> edited;  ///< Those that take edits.
     std::vector<Problem> broken;
 
-    /// Null if there is no such scene.
+    /// The scene as it is now. Null if there is no such scene.
     ScenePtr find(std::string_view id) const;
 };
 

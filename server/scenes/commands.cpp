@@ -15,7 +15,7 @@
 #include "server/progress/interrupt.h"
 #include "server/progress/terminal_progress.h"
 #include "server/scene/scene.h"
-#include "server/scene/whole_file.h"
+#include "server/files/whole_file.h"
 #include "server/scenes/pattern_pictures.h"
 #include "server/scenes/sample_scenes.h"
 #include "server/scenes/scene_folder.h"

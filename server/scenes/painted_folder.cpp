@@ -4,7 +4,7 @@
 #include <span>
 
 #include "server/scene/digest.h"
-#include "server/scene/whole_file.h"
+#include "server/files/whole_file.h"
 #include "server/scenes/scene_folder.h"
 #include "shared/wire/json.h"
 

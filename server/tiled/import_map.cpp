@@ -3,7 +3,7 @@
 #include <span>
 
 #include "server/scene/scene.h"
-#include "server/scene/whole_file.h"
+#include "server/files/whole_file.h"
 #include "server/scenes/scene_folder.h"
 
 namespace tessera {

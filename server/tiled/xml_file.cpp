@@ -3,7 +3,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "server/scene/whole_file.h"
+#include "server/files/whole_file.h"
 
 namespace tessera {
 namespace {

@@ -269,7 +269,7 @@ std::vector<Sprite> PositioningMap::meeting(const TexelBox& box) const {
     return met;
 }
 
-std::vector<Sprite> PositioningMap::meeting_at(const TexelBox& box, std::int64_t step) const {
+std::vector<Sprite> PositioningMap::meeting_at(const TexelBox& box, Step step) const {
     std::vector<Sprite> met = meeting(box);
     std::erase_if(met, [&](const Sprite& sprite) { return !box_at(sprite, step).meets(box); });
     return met;

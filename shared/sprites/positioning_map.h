@@ -49,7 +49,7 @@ class PositioningMap {
     std::vector<Sprite> meeting(const TexelBox& box) const;
 
     /// The same, of those that meet it at a step.
-    std::vector<Sprite> meeting_at(const TexelBox& box, std::int64_t step) const;
+    std::vector<Sprite> meeting_at(const TexelBox& box, Step step) const;
 
     /// Whether any sprite's box_of() meets `box`.
     bool any_meets(const TexelBox& box) const;

@@ -16,37 +16,35 @@ std::int64_t floor_div(std::int64_t a, std::int64_t b) noexcept {
     return q * b > a ? q - 1 : q;
 }
 
-/// How far along a path a step is, and which way it goes from there.
+/// How far along a path a step is, and which way it goes there.
 struct PathPlace {
-    std::int64_t at = 0;     ///< 0 to steps
-    std::int64_t lasts = 0;  ///< Steps until the way turns or starts again; never_step: it stays.
+    std::int64_t at = 0;  ///< 0 to steps
+    Validity stretch;     ///< The steps around in which the way does not turn or start again.
+    bool goes = false;    ///< Or it stays where it is.
     bool back = false;
 };
 
-PathPlace place_on(const SpritePath& path, std::int64_t step) noexcept {
-    if (step < path.first_step) {
-        // A path from the far past to the far future is longer than an int64
-        const std::uint64_t wait =
-            static_cast<std::uint64_t>(path.first_step) - static_cast<std::uint64_t>(step);
-        return {0, static_cast<std::int64_t>(std::min<std::uint64_t>(wait, never_step)), false};
-    }
+PathPlace place_on(const SpritePath& path, Step step) noexcept {
+    if (step < path.first_step) return {.stretch = {always, path.first_step}};
     const std::uint64_t since =
         static_cast<std::uint64_t>(step) - static_cast<std::uint64_t>(path.first_step);
     const auto steps = static_cast<std::uint64_t>(path.steps);
+    const auto stretch_from = [&](std::uint64_t done) {
+        const Step from = add_steps(step, -static_cast<std::int64_t>(done));
+        return Validity{from, add_steps(from, path.steps)};
+    };
     switch (path.then) {
         case SpritePath::Then::rest:
-            if (since >= steps) return {path.steps, never_step, false};
-            return {static_cast<std::int64_t>(since), static_cast<std::int64_t>(steps - since), false};
-        case SpritePath::Then::repeat: {
-            const std::uint64_t at = since % steps;
-            return {static_cast<std::int64_t>(at), static_cast<std::int64_t>(steps - at), false};
-        }
+            if (since >= steps) return {path.steps, {add_steps(path.first_step, path.steps), never}};
+            return {static_cast<std::int64_t>(since), stretch_from(since), true};
+        case SpritePath::Then::repeat:
+            return {static_cast<std::int64_t>(since % steps), stretch_from(since % steps), true};
         case SpritePath::Then::reverse:
             break;
     }
     const std::uint64_t at = since % (2 * steps);
-    if (at < steps) return {static_cast<std::int64_t>(at), static_cast<std::int64_t>(steps - at), false};
-    return {static_cast<std::int64_t>(2 * steps - at), static_cast<std::int64_t>(2 * steps - at), true};
+    if (at < steps) return {static_cast<std::int64_t>(at), stretch_from(at), true};
+    return {static_cast<std::int64_t>(2 * steps - at), stretch_from(at - steps), true, true};
 }
 
 /// ⌊distance·at/steps⌋ and what is left over, without a product above 2^63: `at` and `steps` are below 2^31,
@@ -64,13 +62,19 @@ std::int64_t along(std::int64_t from, std::int64_t to, std::int64_t at, std::int
     return to < from ? from - way : from + way;
 }
 
-/// Steps until a coordinate's whole units change, while the way goes on as it does.
-std::int64_t steps_until_moved(std::int64_t from, std::int64_t to, const PathPlace& place,
-                               std::int64_t steps) noexcept {
+/// The steps around `step`, inside its stretch, in which a coordinate stays in one unit.
+Validity stay_of(std::int64_t from, std::int64_t to, const PathPlace& place, std::int64_t steps,
+                 Step step) noexcept {
     const std::int64_t distance = std::abs(to - from);
-    if (distance == 0) return never_step;
-    const std::int64_t rest = share(distance, place.at, steps).rest;
-    return place.back ? rest / distance + 1 : (steps - rest + distance - 1) / distance;
+    if (distance == 0 || !place.goes) return place.stretch;
+    // A unit is where distance·at/steps has one floor: so far along it, and so far to go, in 1/steps units
+    const std::int64_t entered = share(distance, place.at, steps).rest;
+    const std::int64_t since = (place.back ? steps - 1 - entered : entered) / distance;
+    const std::int64_t left =
+        place.back ? entered / distance + 1 : (steps - entered + distance - 1) / distance;
+    Validity stay{add_steps(step, -since), add_steps(step, left)};
+    stay.meet(place.stretch);
+    return stay;
 }
 
 /// Half the side of a square with sides along the axes around the turned and scaled pattern, in units.
@@ -90,8 +94,23 @@ TexelBox box_around(const Sprite& sprite, SpritePosition from, SpritePosition to
             floor_div(std::max(from.y, to.y) + half + sprite_units - 1, sprite_units)};
 }
 
-std::int64_t after(std::int64_t step, std::int64_t steps) noexcept {
-    return steps >= never_step - std::max<std::int64_t>(step, 0) ? never_step : step + steps;
+/// In which a path leaves its sprite in one place.
+Validity stay_on(const Sprite& sprite, Step step) noexcept {
+    const SpritePath& path = sprite.life->path;
+    const auto in_stretch = [&](Step at) {
+        const PathPlace place = place_on(path, at);
+        Validity stay = stay_of(sprite.x, path.to_x, place, path.steps, at);
+        stay.meet(stay_of(sprite.y, path.to_y, place, path.steps, at));
+        return stay;
+    };
+    // Where the way turns it may stand on; but what stands through two more stretches stands for ever
+    const SpritePosition here = position_at(sprite, step);
+    Validity stay = in_stretch(step);
+    for (int more = 0; more < 3 && stay.until != never && position_at(sprite, stay.until) == here; ++more)
+        stay.until = more < 2 ? in_stretch(stay.until).until : never;
+    for (int more = 0; more < 3 && stay.from != always && position_at(sprite, stay.from - 1) == here; ++more)
+        stay.from = more < 2 ? in_stretch(stay.from - 1).from : always;
+    return stay;
 }
 
 }  // namespace
@@ -103,7 +122,7 @@ bool same_sprite(const Sprite& a, const Sprite& b) noexcept {
            (a.life ? *a.life : ordinary) == (b.life ? *b.life : ordinary);
 }
 
-SpritePosition position_at(const Sprite& sprite, std::int64_t step) noexcept {
+SpritePosition position_at(const Sprite& sprite, Step step) noexcept {
     if (!sprite.life || !sprite.life->moves) return {sprite.x, sprite.y};
     const SpritePath& path = sprite.life->path;
     const PathPlace place = place_on(path, step);
@@ -111,34 +130,17 @@ SpritePosition position_at(const Sprite& sprite, std::int64_t step) noexcept {
             along(sprite.y, path.to_y, place.at, path.steps)};
 }
 
-std::int64_t next_move(const Sprite& sprite, std::int64_t step) noexcept {
-    if (!sprite.life) return never_step;
+Validity stay_of(const Sprite& sprite, Step step) noexcept {
+    if (!sprite.life) return {};
     const SpriteLife& life = *sprite.life;
-    if (step >= life.end_step) return never_step;
-    if (step < life.first_step) return life.first_step < life.end_step ? life.first_step : never_step;
-    std::int64_t moved = never_step;
-    if (life.moves) {
-        const SpritePosition here = position_at(sprite, step);
-        // Where the way turns it may stand for longer than a stretch of it lasts, but never through two
-        std::int64_t now = step;
-        for (int stretch = 0; stretch < 4 && moved == never_step && now != never_step; ++stretch) {
-            const PathPlace place = place_on(life.path, now);
-            if (place.lasts == never_step && life.path.then == SpritePath::Then::rest &&
-                place.at == life.path.steps)
-                break;
-            const bool waits = now < life.path.first_step;
-            const std::int64_t steps =
-                waits ? never_step
-                      : std::min(steps_until_moved(sprite.x, life.path.to_x, place, life.path.steps),
-                                 steps_until_moved(sprite.y, life.path.to_y, place, life.path.steps));
-            now = after(now, std::min(steps, place.lasts));
-            if (now != never_step && position_at(sprite, now) != here) moved = now;
-        }
-    }
-    return std::min(moved, life.end_step);
+    if (step < life.first_step) return {always, life.first_step};
+    if (step >= life.end_step) return {life.end_step, never};
+    Validity stay = life.moves ? stay_on(sprite, step) : Validity{};
+    stay.meet({life.first_step, life.end_step});
+    return stay;
 }
 
-TexelBox box_at(const Sprite& sprite, std::int64_t step) noexcept {
+TexelBox box_at(const Sprite& sprite, Step step) noexcept {
     if (!there_at(sprite, step)) return {};
     const SpritePosition here = position_at(sprite, step);
     return box_around(sprite, here, here);
@@ -165,7 +167,6 @@ Result<void> check_sprite(const Sprite& sprite) {
     if (!sprite.life) return {};
     const SpriteLife& life = *sprite.life;
     if (life.end_step <= life.first_step) return wrong("end_step", "it is after first_step");
-    if (life.rest < 0) return wrong("rest", "take at least 0");
     if (!life.moves) return {};
     if (!inside(life.path.to_x)) return wrong("path.to_x", "stay within ±2^39 texels");
     if (!inside(life.path.to_y)) return wrong("path.to_y", "stay within ±2^39 texels");

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <memory>
 
+#include "shared/motion/validity.h"
 #include "shared/page/texel_box.h"
 #include "shared/result/result.h"
 
@@ -16,8 +16,6 @@ inline constexpr std::int64_t sprite_units = 256;
 /// Scales are counted in 65536ths.
 inline constexpr std::uint32_t sprite_scale_one = 65536;
 
-inline constexpr std::int64_t never_step = std::numeric_limits<std::int64_t>::max();
-
 /// How a sprite moves by itself: evenly along a line, from its own position to another.
 struct SpritePath {
     enum class Then : std::uint8_t {
@@ -26,7 +24,7 @@ struct SpritePath {
         reverse,  ///< Goes back, and so on.
     };
     std::int64_t to_x = 0, to_y = 0;  ///< Units; where it is `steps` after `first_step`.
-    std::int64_t first_step = 0;      ///< Before it, the sprite is at its own position.
+    Step first_step = 0;              ///< Before it, the sprite is at its own position.
     std::int64_t steps = 1;           ///< 1 to 2^31 − 1.
     Then then = Then::rest;
     bool operator==(const SpritePath&) const = default;
@@ -34,13 +32,10 @@ struct SpritePath {
 
 /// What only some sprites have; shared by copies of a sprite.
 struct SpriteLife {
-    std::int64_t first_step = std::numeric_limits<std::int64_t>::min();  ///< There from this step on …
-    std::int64_t end_step = never_step;                                  ///< … and before this one.
+    Step first_step = always;  ///< There from this step on …
+    Step end_step = never;     ///< … and before this one.
     SpritePath path;
     bool moves = false;  ///< Whether there is a path.
-    // The animation of its pattern, by the law of shared/motion
-    std::int32_t sequence = -1;  ///< Index of the scene's sequence; −1: the pattern stands still.
-    std::int64_t phase = 0, rest = 0;
     bool operator==(const SpriteLife&) const = default;
 };
 
@@ -70,18 +65,18 @@ struct SpritePosition {
     std::int64_t x = 0, y = 0;
     bool operator==(const SpritePosition&) const = default;
 };
-SpritePosition position_at(const Sprite& sprite, std::int64_t step) noexcept;
+SpritePosition position_at(const Sprite& sprite, Step step) noexcept;
 
-inline bool there_at(const Sprite& sprite, std::int64_t step) noexcept {
+inline bool there_at(const Sprite& sprite, Step step) noexcept {
     return !sprite.life || (sprite.life->first_step <= step && step < sprite.life->end_step);
 }
 
-/// The first step after `step` at which the sprite appears, disappears or is somewhere else; never_step if
-/// there is none. Found from the path's law. The animation of its pattern is not looked at.
-std::int64_t next_move(const Sprite& sprite, std::int64_t step) noexcept;
+/// The steps around `step` in which the sprite is in one place, or is not there: at `until` it moves, appears
+/// or disappears. Found from the path's law.
+Validity stay_of(const Sprite& sprite, Step step) noexcept;
 
 /// The texels that it may colour at a step; empty when it is not there.
-TexelBox box_at(const Sprite& sprite, std::int64_t step) noexcept;
+TexelBox box_at(const Sprite& sprite, Step step) noexcept;
 
 /// The texels that it may colour at any step.
 TexelBox box_of(const Sprite& sprite) noexcept;

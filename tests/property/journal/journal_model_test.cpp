@@ -69,13 +69,13 @@ class JournalModel : public testing::TestWithParam<Engine> {
             const auto* const refused = std::get_if<Refused>(&outcome);
             ASSERT_NE(refused, nullptr) << "unknown, with nothing wrong";
             ++refused_;
-            if (refused->why == Refusal::other_content) {
+            if (refused->why == RefusalReason::other_content) {
                 EXPECT_TRUE(before != nullptr && before->bytes != append.bytes);
-            } else if (refused->why == Refusal::outside_horizon) {
+            } else if (refused->why == RefusalReason::outside_horizon) {
                 EXPECT_TRUE(!append.expected || *append.expected == head());
                 EXPECT_TRUE(append.known > head() || (append.known < forgotten && may_be_forgotten));
             } else {
-                EXPECT_EQ(refused->why, Refusal::too_large) << refused->detail;
+                EXPECT_EQ(refused->why, RefusalReason::too_large) << refused->detail;
                 EXPECT_GT(append.bytes.size(), 1000u);
             }
         }

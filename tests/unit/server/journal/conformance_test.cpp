@@ -27,10 +27,10 @@ class JournalConformance : public testing::TestWithParam<Engine> {
         EXPECT_FALSE(trouble) << "no history from " << from;
         return edits;
     }
-    static Refusal refusal(const AppendOutcome& outcome) {
+    static RefusalReason refusal(const AppendOutcome& outcome) {
         const auto* const refused = std::get_if<Refused>(&outcome);
         EXPECT_NE(refused, nullptr) << "not refused";
-        if (refused == nullptr) return Refusal::unavailable;
+        if (refused == nullptr) return RefusalReason::unavailable;
         EXPECT_FALSE(refused->detail.empty());
         return refused->why;
     }
@@ -81,8 +81,8 @@ TEST_P(JournalConformance, ARetryIsTakenAsSuchWhateverItExpected) {
 TEST_P(JournalConformance, RefusesAnIdWithOtherContent) {
     const auto journal = open();
     append_and_wait(*journal, edit(7, "a"));
-    EXPECT_EQ(refusal(append_and_wait(*journal, edit(7, "b"))), Refusal::other_content);
-    EXPECT_EQ(refusal(append_and_wait(*journal, edit(7, ""))), Refusal::other_content);
+    EXPECT_EQ(refusal(append_and_wait(*journal, edit(7, "b"))), RefusalReason::other_content);
+    EXPECT_EQ(refusal(append_and_wait(*journal, edit(7, ""))), RefusalReason::other_content);
     EXPECT_EQ(journal->status().head, 1u);
 }
 
@@ -133,7 +133,7 @@ TEST_P(JournalConformance, ABatchIsDecidedInItsOrder) {
     EXPECT_EQ(outcomes[0], (AppendOutcome{Accepted{1, false}}));
     EXPECT_EQ(outcomes[1], (AppendOutcome{Accepted{2, false}}));
     EXPECT_EQ(outcomes[2], (AppendOutcome{Accepted{1, true}}));
-    EXPECT_EQ(refusal(outcomes[3]), Refusal::other_content);
+    EXPECT_EQ(refusal(outcomes[3]), RefusalReason::other_content);
     EXPECT_EQ(outcomes[4], AppendOutcome{Conflict{2}});
     EXPECT_EQ(outcomes[5], (AppendOutcome{Accepted{3, false}}));
 }
@@ -151,10 +151,10 @@ TEST_P(JournalConformance, RefusesWhatIsTooLargeAndTakesTheRest) {
     const auto outcomes =
         append_and_wait(*journal, {edit(1), edit(2, std::string(101, 'x')), edit(3, std::string(100, 'x'))});
     EXPECT_EQ(outcomes[0], AppendOutcome{Accepted{1}});
-    EXPECT_EQ(refusal(outcomes[1]), Refusal::too_large);
+    EXPECT_EQ(refusal(outcomes[1]), RefusalReason::too_large);
     EXPECT_EQ(outcomes[2], AppendOutcome{Accepted{2}});
     for (const auto& outcome : append_and_wait(*journal, {edit(5), edit(6), edit(7), edit(8)}))
-        EXPECT_EQ(refusal(outcome), Refusal::too_large);
+        EXPECT_EQ(refusal(outcome), RefusalReason::too_large);
     EXPECT_EQ(journal->status().head, 2u);
 }
 
@@ -175,7 +175,7 @@ TEST_P(JournalConformance, RefusesWhatItCannotQueueAtOnce) {
         journal->append(edit(n), [&](const AppendOutcome& outcome) {
             if (std::holds_alternative<Accepted>(outcome))
                 ++accepted;
-            else if (std::get<Refused>(outcome).why == Refusal::overloaded)
+            else if (std::get<Refused>(outcome).why == RefusalReason::overloaded)
                 ++overloaded;
             if (accepted + overloaded == 10) all.set_value();
         });
@@ -355,11 +355,11 @@ TEST_P(JournalConformance, RefusesByNameWhatLiesBeyondItsHorizonOfRevisions) {
     ASSERT_EQ(journal->status().oldest, 92u);
 
     EXPECT_EQ(append_and_wait(*journal, edit(92, "edit", 91)), (AppendOutcome{Accepted{92, true}}));
-    EXPECT_EQ(refusal(append_and_wait(*journal, edit(91, "edit", 90))), Refusal::outside_horizon)
+    EXPECT_EQ(refusal(append_and_wait(*journal, edit(91, "edit", 90))), RefusalReason::outside_horizon)
         << "a late retry";
-    EXPECT_EQ(refusal(append_and_wait(*journal, edit(200, "edit", 90))), Refusal::outside_horizon);
-    EXPECT_EQ(refusal(append_and_wait(*journal, edit(201))), Refusal::outside_horizon) << "knows no revision";
-    EXPECT_EQ(refusal(append_and_wait(*journal, edit(201, "edit", 102))), Refusal::outside_horizon)
+    EXPECT_EQ(refusal(append_and_wait(*journal, edit(200, "edit", 90))), RefusalReason::outside_horizon);
+    EXPECT_EQ(refusal(append_and_wait(*journal, edit(201))), RefusalReason::outside_horizon) << "knows no revision";
+    EXPECT_EQ(refusal(append_and_wait(*journal, edit(201, "edit", 102))), RefusalReason::outside_horizon)
         << "knows one that is not there yet";
     EXPECT_EQ(append_and_wait(*journal, edit(202, "edit", 91)), AppendOutcome{Accepted{102}});
     Append strict = edit(1);
@@ -413,7 +413,7 @@ TEST_P(JournalConformance, IsFullWithoutASnapshotAndGoesOnAfterOne) {
         for (int i = 0; i < 7; ++i) batch.push_back(edit(++n, std::string(872, 'x')));
         outcome = append_and_wait(*journal, batch).back();
     }
-    EXPECT_EQ(refusal(outcome), Refusal::full);
+    EXPECT_EQ(refusal(outcome), RefusalReason::full);
     EXPECT_EQ(journal->status().head, 100u);
     EXPECT_TRUE(journal->status().snapshot_due);
     EXPECT_EQ(append_and_wait(*journal, edit(1, std::string(872, 'x'))), (AppendOutcome{Accepted{1, true}}))
@@ -464,7 +464,7 @@ TEST_P(JournalConformance, IsTheSameAfterOpeningItAgain) {
     EXPECT_EQ(journal->status().snapshot, 20u);
     EXPECT_EQ(newest_snapshot_and_wait(*journal).value()->bytes, "twenty");
     EXPECT_EQ(append_and_wait(*journal, edit(4, "4")), (AppendOutcome{Accepted{5, true}}));
-    EXPECT_EQ(refusal(append_and_wait(*journal, edit(4, "5"))), Refusal::other_content);
+    EXPECT_EQ(refusal(append_and_wait(*journal, edit(4, "5"))), RefusalReason::other_content);
     EXPECT_EQ(append_and_wait(*journal, edit(30)), AppendOutcome{Accepted{31}});
 }
 
@@ -484,7 +484,7 @@ TEST_P(JournalConformance, RemembersItsHorizonAfterOpeningItAgain) {
     }
     const auto journal = open();
     EXPECT_EQ(journal->status().oldest, 47u);
-    EXPECT_EQ(refusal(append_and_wait(*journal, edit(3))), Refusal::outside_horizon);
+    EXPECT_EQ(refusal(append_and_wait(*journal, edit(3))), RefusalReason::outside_horizon);
     EXPECT_EQ(append_and_wait(*journal, edit(52, "edit", 46)), AppendOutcome{Accepted{52}});
 }
 

@@ -49,7 +49,7 @@ TEST_F(JournalOnAFailingDisk, ASyncThatFailsOnceIsResolvedBeforeTheAnswer) {
     const auto journal = open().value();
     // Of the log's head: the edit is not in, and never will be
     disk_.fail(1, 0, false, FaultyDisk::Kind::sync);
-    EXPECT_EQ(std::get<Refused>(append_and_wait(*journal, edit(0))).why, Refusal::unavailable);
+    EXPECT_EQ(std::get<Refused>(append_and_wait(*journal, edit(0))).why, RefusalReason::unavailable);
     EXPECT_EQ(find_and_wait(*journal, id_of(0)).value(), std::nullopt);
     insist(*journal, edit(1));
     // Of the commit itself, whether it says so wrongly or not: the log holds it when it is read back
@@ -70,7 +70,7 @@ TEST_F(JournalOnAFailingDisk, AnOutcomeThatCannotBeReadBackIsUnknownAndResolvedB
     disk_.fail(1, 1'000'000, true, FaultyDisk::Kind::sync);  // the commit, and every sync after it
     EXPECT_EQ(append_and_wait(*journal, edit(1)), AppendOutcome{Unknown{}});
     EXPECT_NE(journal->status().trouble, "");
-    EXPECT_EQ(std::get<Refused>(append_and_wait(*journal, edit(2))).why, Refusal::unavailable);
+    EXPECT_EQ(std::get<Refused>(append_and_wait(*journal, edit(2))).why, RefusalReason::unavailable);
     EXPECT_FALSE(find_and_wait(*journal, id_of(1))) << "no answer is better than a wrong one";
     disk_.heal();
     insist(*journal, edit(1));
@@ -102,7 +102,7 @@ TEST_F(JournalOnAFailingDisk, AFullDiskRefusesEditsAndRecoversWhenThereIsRoom) {
         if (!std::holds_alternative<Accepted>(outcome)) break;
     }
     ASSERT_TRUE(std::holds_alternative<Refused>(outcome)) << outcome.index();
-    EXPECT_EQ(std::get<Refused>(outcome).why, Refusal::full);
+    EXPECT_EQ(std::get<Refused>(outcome).why, RefusalReason::full);
     EXPECT_NE(std::get<Refused>(outcome).detail.find("full"), std::string::npos);
     EXPECT_NE(journal->status().trouble, "");
     // Reading and retries go on
@@ -111,7 +111,7 @@ TEST_F(JournalOnAFailingDisk, AFullDiskRefusesEditsAndRecoversWhenThereIsRoom) {
     EXPECT_EQ(find_and_wait(*journal, id_of(n)).value(), std::nullopt) << "what was refused is not in";
     std::this_thread::sleep_for(150ms);
     EXPECT_EQ(std::get<Refused>(append_and_wait(*journal, edit(n + 1, std::string(3000, 'x')))).why,
-              Refusal::full);
+              RefusalReason::full);
 
     disk_.set_room({});
     insist(*journal, edit(n, std::string(3000, 'x')));
@@ -143,7 +143,7 @@ struct Story {
             EXPECT_EQ(place->second, in->revision) << "one edit, two revisions";
             refused.erase(n);
         } else if (const auto* why = std::get_if<Refused>(&outcome);
-                   why != nullptr && why->why != Refusal::unavailable) {
+                   why != nullptr && why->why != RefusalReason::unavailable) {
             EXPECT_EQ(accepted.count(n), 0u) << "accepted, then refused";
             refused[n] = true;
         } else {

@@ -10,7 +10,7 @@
 #include "server/scene/asset_file.h"
 #include "server/scene/image_file.h"
 #include "server/scene/scene.h"
-#include "server/scene/whole_file.h"
+#include "server/files/whole_file.h"
 #include "server/scenes/paint_pebbles.h"
 #include "server/scenes/scene_folder.h"
 #include "tests/support/temporary_folder.h"

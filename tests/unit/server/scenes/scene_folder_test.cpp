@@ -7,7 +7,7 @@
 #include "proto/scene.pb.h"
 
 #include "server/scene/scene.h"
-#include "server/scene/whole_file.h"
+#include "server/files/whole_file.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tessera {

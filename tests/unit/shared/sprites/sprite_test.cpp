@@ -64,7 +64,7 @@ TEST(Sprite, GoesAlongItsPathAndThenRestsRepeatsOrReverses) {
     EXPECT_EQ(at(reverse, 210), (SpritePosition{0, 0}));
 }
 
-TEST(Sprite, TellsTheNextStepAtWhichAnythingChanges) {
+TEST(Sprite, TellsInWhichStepsItStaysAsItIs) {
     // Against stepping, on paths fast and slow, long and short, standing and leaving
     const auto life_and_death = [](Sprite sprite) {
         return with(std::move(sprite), [](SpriteLife& life) {
@@ -79,20 +79,21 @@ TEST(Sprite, TellsTheNextStepAtWhichAnythingChanges) {
                     for (const bool mortal : {false, true}) {
                         Sprite sprite = moving(at_texel(0, 0), x, y, 5, steps, then);
                         if (mortal) sprite = life_and_death(sprite);
-                        for (std::int64_t step = -10; step < 90; ++step) {
-                            const std::int64_t next = next_move(sprite, step);
-                            ASSERT_GT(next, step);
-                            for (std::int64_t s = step + 1; s < std::min<std::int64_t>(next, 200); ++s) {
-                                ASSERT_EQ(there_at(sprite, s), there_at(sprite, step));
-                                if (there_at(sprite, s)) {
-                                    ASSERT_EQ(position_at(sprite, s), position_at(sprite, step))
-                                        << s << " after " << step << " says " << next;
-                                }
-                            }
-                            if (next == never_step) continue;
-                            ASSERT_TRUE(there_at(sprite, next) != there_at(sprite, step) ||
-                                        position_at(sprite, next) != position_at(sprite, step))
-                                << next << " after " << step;
+                        for (Step step = -10; step < 90; ++step) {
+                            const Validity stay = stay_of(sprite, step);
+                            ASSERT_TRUE(stay.holds(step));
+                            const auto alike = [&](Step other) {
+                                return there_at(sprite, other) == there_at(sprite, step) &&
+                                       (!there_at(sprite, step) ||
+                                        position_at(sprite, other) == position_at(sprite, step));
+                            };
+                            for (Step s = std::max<Step>(stay.from, -200);
+                                 s < std::min<Step>(stay.until, 200); ++s)
+                                ASSERT_TRUE(alike(s)) << s << " around " << step;
+                            ASSERT_TRUE(stay.until == never || !alike(stay.until))
+                                << stay.until << " after " << step;
+                            ASSERT_TRUE(stay.from == always || !alike(stay.from - 1))
+                                << stay.from << " before " << step;
                         }
                     }
 }
@@ -104,13 +105,14 @@ TEST(Sprite, KeepsCountOverStepsAndWaysAsLongAsNumbersGo) {
     sprite.y = -far;
     ASSERT_FALSE(check_sprite(sprite).has_error());
     EXPECT_EQ(position_at(sprite, 2147483647), (SpritePosition{-far, far}));
-    for (const std::int64_t step : {std::int64_t{-1'000'000'000'000'000}, std::int64_t{1'000'000'000'000'000},
-                                    never_step - 1, std::numeric_limits<std::int64_t>::min()}) {
+    for (const std::int64_t step :
+         {std::int64_t{-1'000'000'000'000'000}, std::int64_t{1'000'000'000'000'000}, never - 1, always + 1}) {
         const SpritePosition here = position_at(sprite, step);
         EXPECT_TRUE(box_of(sprite).meets(box_at(sprite, step)));
-        const std::int64_t next = next_move(sprite, step);
-        if (next != never_step) {
-            EXPECT_NE(position_at(sprite, next), here);
+        const Validity stay = stay_of(sprite, step);
+        EXPECT_TRUE(stay.holds(step));
+        if (stay.until != never) {
+            EXPECT_NE(position_at(sprite, stay.until), here);
         }
     }
 }

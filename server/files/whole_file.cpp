@@ -1,4 +1,4 @@
-#include "server/scene/whole_file.h"
+#include "server/files/whole_file.h"
 
 #include <cerrno>
 #include <cstdio>

@@ -1,0 +1,143 @@
+#include "server/edits/apply_edit.h"
+
+#include <algorithm>
+
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+#include <google/protobuf/unknown_field_set.h>
+
+namespace tessera {
+
+namespace {
+
+/// One change, and its inverse in front of those of later ones.
+Result<void> place(const proto::SpritePlacement& message, const SpritePatterns& patterns, SpriteBook& book,
+                   proto::Change& inverse, std::vector<TexelBox>& dirty) {
+    const auto sprite = sprite_of(message, patterns);
+    if (!sprite) return sprite.error();
+    if (auto placed = book.place(*sprite); !placed) return placed;
+    dirty.push_back(box_of(*sprite));
+    inverse.mutable_remove_sprite()->set_id(sprite->id);
+    return {};
+}
+
+Result<void> move(const proto::SpriteMove& message, const SpritePatterns& patterns, SpriteBook& book,
+                  proto::Change& inverse, std::vector<TexelBox>& dirty) {
+    const auto old = book.find(message.id());
+    if (!old)
+        return Error{ErrorCode::invalid_input, "id: there is no sprite " + std::to_string(message.id()) +
+                                                   "; somebody may have removed it"};
+    // Over the wire's own form, so that one place checks what a sprite may be
+    proto::SpritePlacement was, becomes;
+    write_sprite(*old, was);
+    becomes = was;
+    proto::SpriteMove& back = *inverse.mutable_move_sprite();
+    back.set_id(message.id());
+    if (message.has_x()) becomes.set_x(message.x()), back.set_x(was.x());
+    if (message.has_y()) becomes.set_y(message.y()), back.set_y(was.y());
+    if (message.has_scale())
+        becomes.set_scale(message.scale()), back.set_scale(was.has_scale() ? was.scale() : 1);
+    if (message.has_turn()) becomes.set_turn(message.turn()), back.set_turn(was.turn());
+    if (message.has_order()) becomes.set_order(message.order()), back.set_order(was.order());
+    if (message.has_pattern()) becomes.set_pattern(message.pattern()), back.set_pattern(was.pattern());
+    const auto sprite = sprite_of(becomes, patterns);
+    if (!sprite) return sprite.error();
+    if (auto moved = book.replace(*sprite); !moved) return moved;
+    dirty.push_back(box_of(*old));
+    dirty.push_back(box_of(*sprite));
+    return {};
+}
+
+Result<void> remove(const proto::SpriteRemoval& message, SpriteBook& book, proto::Change& inverse,
+                    std::vector<TexelBox>& dirty) {
+    const auto old = book.find(message.id());
+    if (auto removed = book.remove(message.id()); !removed) return removed;
+    dirty.push_back(box_of(*old));
+    write_sprite(*old, *inverse.mutable_place_sprite());
+    return {};
+}
+
+struct NamedChange {
+    const char* name;
+    Result<void> made;
+};
+
+NamedChange make(const proto::Change& change, const SpritePatterns& patterns, SpriteBook& book,
+                 proto::Change& inverse, std::vector<TexelBox>& dirty) {
+    switch (change.change_case()) {
+        case proto::Change::kPlaceSprite:
+            return {".place_sprite.", place(change.place_sprite(), patterns, book, inverse, dirty)};
+        case proto::Change::kMoveSprite:
+            return {".move_sprite.", move(change.move_sprite(), patterns, book, inverse, dirty)};
+        case proto::Change::kRemoveSprite:
+            return {".remove_sprite.", remove(change.remove_sprite(), book, inverse, dirty)};
+        case proto::Change::CHANGE_NOT_SET:
+            break;
+    }
+    return {": ", Error{ErrorCode::invalid_input,
+                        "says nothing; give it place_sprite, move_sprite or remove_sprite"}};
+}
+
+/// Whether a message, or one in it, holds fields that we do not know.
+bool has_unknown_fields(const google::protobuf::Message& message) {
+    const auto& reflection = *message.GetReflection();
+    if (!reflection.GetUnknownFields(message).empty()) return true;
+    std::vector<const google::protobuf::FieldDescriptor*> fields;
+    reflection.ListFields(message, &fields);
+    for (const auto* field : fields) {
+        if (field->cpp_type() != google::protobuf::FieldDescriptor::CPPTYPE_MESSAGE) continue;
+        if (!field->is_repeated()) {
+            if (has_unknown_fields(reflection.GetMessage(message, field))) return true;
+            continue;
+        }
+        for (int i = 0; i < reflection.FieldSize(message, field); ++i)
+            if (has_unknown_fields(reflection.GetRepeatedMessage(message, field, i))) return true;
+    }
+    return false;
+}
+
+}  // namespace
+
+Result<std::string> canonical_edit(const proto::Edit& edit) {
+    const auto invalid = [](const char* what) { return Error{ErrorCode::invalid_input, what}; };
+    if (edit.changes().empty()) return invalid("changes: is empty; an edit makes at least one change");
+    if (edit.changes_size() > max_changes) return invalid("changes: are more than 1024; send several edits");
+    if (edit.author().size() > 64) return invalid("author: is longer than 64 bytes");
+    if (has_unknown_fields(edit))
+        return invalid("holds fields that this server does not know; it is older than the client");
+    proto::Edit kept;
+    kept.set_author(edit.author());
+    *kept.mutable_changes() = edit.changes();
+    std::string bytes;
+    {
+        google::protobuf::io::StringOutputStream stream{&bytes};
+        google::protobuf::io::CodedOutputStream coded{&stream};
+        coded.SetSerializationDeterministic(true);
+        kept.SerializeToCodedStream(&coded);
+    }
+    return bytes;
+}
+
+Result<AppliedEdit> apply_edit(const proto::Edit& edit, const SpritePatterns& patterns, SpriteBook& book) {
+    AppliedEdit applied;
+    auto& inverses = *applied.inverse.mutable_changes();
+    for (int i = 0; i < edit.changes_size(); ++i) {
+        proto::Change inverse;
+        const NamedChange change = make(edit.changes(i), patterns, book, inverse, applied.dirty);
+        if (change.made) {
+            inverses.Add(std::move(inverse));
+            continue;
+        }
+        // None of it, then: what was made is undone, the last first
+        proto::Change again;
+        std::vector<TexelBox> undone;
+        for (int made = inverses.size(); made-- > 0; again.Clear())
+            make(inverses.Get(made), patterns, book, again, undone);
+        return Error{change.made.error().code,
+                     "changes[" + std::to_string(i) + "]" + change.name + change.made.error().detail};
+    }
+    std::reverse(inverses.begin(), inverses.end());
+    return applied;
+}
+
+}  // namespace tessera

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "proto/edit.pb.h"
+
+#include "server/edits/sprite_book.h"
+#include "shared/page/texel_box.h"
+#include "shared/wire/sprite_message.h"
+
+namespace tessera {
+
+inline constexpr int max_changes = 1024;
+
+/// What an edit did.
+struct AppliedEdit {
+    proto::Edit inverse;          ///< Changes only, in the order that undoes it.
+    std::vector<TexelBox> dirty;  ///< Texels of level 0 that may look different, at any step.
+};
+
+/// The edit's meaning alone, as the journal keeps and compares it: its changes and author, without what a
+/// retry may say otherwise and without fields that we do not know. Error: invalid_input, naming the field.
+Result<std::string> canonical_edit(const proto::Edit& edit);
+
+/// Makes all changes of an edit, or none. The same edit on the same book gives the same book, on every
+/// machine. Error: invalid_input; the message names the change and what is wrong ("changes[3].place_sprite.x,
+/// y: …").
+Result<AppliedEdit> apply_edit(const proto::Edit& edit, const SpritePatterns& patterns, SpriteBook& book);
+
+}  // namespace tessera

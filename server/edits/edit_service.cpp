@@ -1,0 +1,83 @@
+#include "server/edits/edit_service.h"
+
+#include <utility>
+
+#include <spdlog/spdlog.h>
+
+#include "server/journal/open_journal.h"
+
+namespace tessera {
+
+Result<std::shared_ptr<LiveScene>> EditService::open(const ScenePtr& scene, Progress& progress) const {
+    JournalOptions journal_options;
+    journal_options.scene = scene->id;
+    journal_options.horizon = options_.horizon;
+    std::unique_ptr<Journal> journal;
+    if (options_.folder.empty()) {
+        journal = memory_journal(std::move(journal_options));
+    } else {
+        auto opened = open_journal(options_.folder / scene->id, std::move(journal_options), progress);
+        if (!opened) return opened.error();
+        journal = std::move(*opened);
+    }
+    auto live = LiveScene::open(scene, std::move(journal), progress);
+    if (!live) return live.error();
+    return std::shared_ptr<LiveScene>{std::move(*live)};
+}
+
+void EditService::adopt(Catalog& catalog, Progress& progress) {
+    for (const auto& [id, scene] : catalog.scenes) {
+        if (!scene->ground) continue;
+        std::shared_ptr<LiveScene> live = find(id);
+        if (live) {
+            live->rebase(scene);
+        } else {
+            auto opened = open(scene, progress);
+            const std::lock_guard lock{mutex_};
+            if (!opened) {
+                spdlog::error("scene {} takes no edits: {}", id, opened.error().detail);
+                troubles_[id] = opened.error().detail;
+                continue;
+            }
+            live = std::move(*opened);
+            scenes_[id] = live;
+            troubles_.erase(id);
+            spdlog::info("scene {} takes edits, at revision {}", id, live->now()->revision);
+        }
+        catalog.edited[id] = live;
+    }
+}
+
+void EditService::close() {
+    std::map<std::string, std::shared_ptr<LiveScene>, std::less<>> scenes;
+    {
+        const std::lock_guard lock{mutex_};
+        scenes = scenes_;
+    }
+    for (const auto& [id, live] : scenes) live->close();
+}
+
+void EditService::edit(std::string_view scene, proto::Edit edit, LiveScene::Handler handler) {
+    if (const auto live = find(scene)) return live->edit(std::move(edit), std::move(handler));
+    const bool in_trouble = [&] {
+        const std::lock_guard lock{mutex_};
+        return troubles_.contains(scene);
+    }();
+    handler(in_trouble ? EditRefusal{EditRefusal::Why::unavailable,
+                                     "the scene's journal cannot be opened; the server's log says why", 0}
+                       : EditRefusal{EditRefusal::Why::wrong,
+                                     "the scene takes no edits; give its scene.json \"sprites\"", 0});
+}
+
+std::shared_ptr<LiveScene> EditService::find(std::string_view scene) const {
+    const std::lock_guard lock{mutex_};
+    const auto found = scenes_.find(scene);
+    return found == scenes_.end() ? nullptr : found->second;
+}
+
+std::map<std::string, std::string, std::less<>> EditService::troubles() const {
+    const std::lock_guard lock{mutex_};
+    return troubles_;
+}
+
+}  // namespace tessera

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+#include "server/edits/live_scene.h"
+
+namespace tessera {
+
+struct EditOptions {
+    std::filesystem::path
+        folder;  ///< Holds a journal for each scene; empty: edits last as long as the process.
+    JournalHorizon horizon;
+};
+
+/// The scenes that take edits: all that have sprites. All members may be called from any thread.
+class EditService {
+  public:
+    explicit EditService(EditOptions options) : options_{std::move(options)} {}
+
+    /// Makes `catalog` show its scenes with their edits: opens the journals of those that are new, and puts
+    /// new grounds under those that were there. A scene whose journal cannot be opened is shown as its folder
+    /// says, and refuses edits with the reason.
+    void adopt(Catalog& catalog, Progress& progress);
+
+    /// Closes all scenes: everybody is answered when it returns. Idempotent.
+    void close();
+
+    /// As LiveScene::edit(). Refuses edits of scenes that take none.
+    void edit(std::string_view scene, proto::Edit edit, LiveScene::Handler handler);
+
+    /// Null if it takes no edits.
+    std::shared_ptr<LiveScene> find(std::string_view scene) const;
+
+    /// Why edits of some scenes are refused, by scene; empty when all is well.
+    std::map<std::string, std::string, std::less<>> troubles() const;
+
+  private:
+    Result<std::shared_ptr<LiveScene>> open(const ScenePtr& scene, Progress& progress) const;
+
+    const EditOptions options_;
+    mutable std::mutex mutex_;  ///< Guards what follows.
+    std::map<std::string, std::shared_ptr<LiveScene>, std::less<>> scenes_;
+    std::map<std::string, std::string, std::less<>> troubles_;
+};
+
+}  // namespace tessera

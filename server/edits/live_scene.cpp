@@ -1,0 +1,362 @@
+#include "server/edits/live_scene.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <spdlog/spdlog.h>
+
+#include "server/journal/journal_wait.h"
+#include "server/sprites/sprite_texture.h"
+
+namespace tessera {
+
+namespace {
+
+constexpr std::size_t most_in_commit = 512;
+constexpr std::size_t page_revision_bytes = std::size_t{32} << 20;
+
+EditRefusal refusal_of(const Refused& refused, Revision head) {
+    using Why = EditRefusal::Why;
+    Why why = Why::unavailable;
+    switch (refused.why) {
+        case RefusalReason::other_content:
+            why = Why::other_content;
+            break;
+        case RefusalReason::too_large:
+            why = Why::wrong;
+            break;
+        case RefusalReason::outside_horizon:
+            why = Why::too_old;
+            break;
+        case RefusalReason::overloaded:
+            why = Why::overloaded;
+            break;
+        case RefusalReason::full:
+        case RefusalReason::unavailable:
+            break;
+    }
+    return {why, refused.detail, head};
+}
+
+Error of_history(const std::string& what) {
+    return {ErrorCode::io_failure, "the journal's history cannot be read: " + what};
+}
+
+}  // namespace
+
+LiveScene::LiveScene(ScenePtr base, std::unique_ptr<Journal> journal)
+    : id_{base->id},
+      base_{std::move(base)},
+      book_{base_->sprites},
+      page_revisions_{page_revision_bytes},
+      owned_journal_{std::move(journal)},
+      journal_{owned_journal_.get()} {}
+
+LiveScene::~LiveScene() { close(); }
+
+void LiveScene::close() {
+    {
+        const std::lock_guard lock{mutex_};
+        if (std::exchange(closing_, true)) return;
+    }
+    if (snapshots_.joinable()) snapshots_.join();
+    owned_journal_.reset();
+    // What had not reached the journal
+    for (Work& work : waiting_)
+        work.handler(EditRefusal{EditRefusal::Why::unavailable, "the server is stopping", head_});
+    waiting_.clear();
+}
+
+Result<std::unique_ptr<LiveScene>> LiveScene::open(ScenePtr base, std::unique_ptr<Journal> journal,
+                                                   Progress& progress) {
+    std::unique_ptr<LiveScene> live{new LiveScene{std::move(base), std::move(journal)}};
+    if (auto recovered = live->recover(progress); !recovered) return recovered.error();
+    return live;
+}
+
+Result<void> LiveScene::recover(Progress& progress) {
+    const Revision head = journal_->status().head;
+    const auto snapshot = newest_snapshot_and_wait(*journal_, head);
+    if (!snapshot) return snapshot.error();
+    if (*snapshot) {
+        proto::LiveState state;
+        if (!state.ParseFromString((*snapshot)->bytes)) return of_history("its snapshot is damaged");
+        PositioningMap map{base_->sprites.overlap_layers()};
+        for (const proto::SpritePlacement& placed : state.sprites()) {
+            // A pattern that is gone since takes its sprites with it
+            const auto sprite = sprite_of(placed, patterns());
+            if (!sprite || !map.place(*sprite))
+                spdlog::warn("scene {}: sprite {} does not fit the scene any more", id_, placed.id());
+        }
+        auto revisions = PageRevisions::load(state.page_revisions(), page_revision_bytes);
+        if (!revisions) return of_history(revisions.error().detail);
+        book_ = SpriteBook{std::move(map)};
+        page_revisions_ = std::move(*revisions);
+        head_ = (*snapshot)->revision;
+    }
+    if (head_ < head) {
+        const Revision from = head_ + 1;
+        const auto stopped = for_each_edit(*journal_, from, head, [&](const Edit& edit) {
+            apply(edit);
+            if (edit.revision % 1024 == 0)
+                progress.advance("replaying edits", static_cast<double>(edit.revision - from) /
+                                                        static_cast<double>(head - from + 1));
+            return !progress.stop().stop_requested();
+        });
+        if (stopped) return of_history("it ends before revision " + std::to_string(head));
+        if (head_ != head) return Error{ErrorCode::cancelled, "stopped"};
+    }
+    publish();
+    changes_.clear();
+    return {};
+}
+
+void LiveScene::rebase(ScenePtr base) {
+    const std::lock_guard lock{mutex_};
+    base_ = std::move(base);
+    publish();
+}
+
+void LiveScene::edit(proto::Edit edit, Handler handler) {
+    const auto refuse = [&](EditRefusal::Why why, std::string detail, Revision head) {
+        handler(EditRefusal{why, std::move(detail), head});
+    };
+    const auto id = edit_id_from(edit.id());
+    if (!id) return refuse(EditRefusal::Why::wrong, "id: is no UUID; draw one for each edit", 0);
+    auto canonical = canonical_edit(edit);
+    if (!canonical) return refuse(EditRefusal::Why::wrong, canonical.error().detail, 0);
+
+    std::unique_lock lock{mutex_};
+    if (closing_ || waiting_.size() >= max_waiting) {
+        const auto why = closing_ ? EditRefusal::Why::unavailable : EditRefusal::Why::overloaded;
+        const Revision head = head_;
+        lock.unlock();
+        return refuse(why,
+                      why == EditRefusal::Why::overloaded ? "too many edits wait" : "the server is stopping",
+                      head);
+    }
+    Work work;
+    work.append = {.id = *id, .bytes = std::move(*canonical), .known = edit.known_revision(), .expected = {}};
+    if (edit.has_base_revision()) work.append.expected = edit.base_revision();
+    work.edit = std::move(edit);
+    work.handler = std::move(handler);
+    waiting_.push_back(std::move(work));
+    if (!commits_) commit(std::move(lock));
+}
+
+std::shared_ptr<void> LiveScene::listen(Listener listener) {
+    auto kept = std::make_shared<Listener>(std::move(listener));
+    const std::lock_guard lock{mutex_};
+    std::erase_if(listeners_, [](const auto& other) { return other.expired(); });
+    listeners_.push_back(kept);
+    return kept;
+}
+
+SpritePatterns LiveScene::patterns() const noexcept {
+    return {base_->sprite_images->count(), base_->sprite_images->side()};
+}
+
+/// Takes what waits, and gives what is possible to the journal.
+void LiveScene::commit(std::unique_lock<std::mutex> lock) {
+    commits_ = true;
+    std::vector<Append> batch;
+    while (!waiting_.empty() && batch.size() < most_in_commit) {
+        Work work = std::move(waiting_.front());
+        waiting_.pop_front();
+        const Revision before = head_ + batch.size();
+        if (work.is_in) {
+            // Already applied, or about to be
+        } else if (work.append.expected && *work.append.expected != before) {
+            work.outcome = EditRefusal{EditRefusal::Why::conflict,
+                                       "base_revision: is " + std::to_string(*work.append.expected) +
+                                           ", but the scene is at " + std::to_string(before),
+                                       before};
+        } else if (auto applied = apply_edit(work.edit, patterns(), book_)) {
+            work.applied = std::move(*applied);
+        } else {
+            work.outcome = EditRefusal{EditRefusal::Why::wrong, applied.error().detail, before};
+        }
+        if (work.outcome) {
+            impossible_.push_back(std::move(work));
+        } else {
+            batch.push_back(work.append);
+            committing_.push_back(std::move(work));
+        }
+    }
+    if (batch.empty()) return finish(std::move(lock));
+    lock.unlock();
+    journal_->append(std::move(batch),
+                     [this](std::vector<AppendOutcome> outcomes) { settle(std::move(outcomes)); });
+}
+
+/// The journal has decided: book_ is brought to what is in.
+void LiveScene::settle(std::vector<AppendOutcome> outcomes) {
+    std::unique_lock lock{mutex_};
+    bool as_expected = true;
+    Revision next = head_ + 1, target = 0;
+    for (std::size_t i = 0; i < outcomes.size(); ++i) {
+        Work& work = committing_[i];
+        if (const auto* accepted = std::get_if<Accepted>(&outcomes[i])) {
+            proto::EditAnswer answer;
+            answer.set_revision(accepted->revision);
+            answer.set_again(accepted->again);
+            work.outcome = std::move(answer);
+            as_expected = as_expected && !accepted->again && accepted->revision == next++;
+            // A retry, too, may be of an edit whose fate was not known here
+            target = std::max(target, accepted->revision);
+            continue;
+        }
+        as_expected = false;
+        if (const auto* conflict = std::get_if<Conflict>(&outcomes[i]))
+            work.outcome = EditRefusal{EditRefusal::Why::conflict,
+                                       "base_revision: is not the scene's any more", conflict->head};
+        else if (const auto* refused = std::get_if<Refused>(&outcomes[i]))
+            work.outcome = refusal_of(*refused, head_);
+        else
+            work.outcome =
+                EditRefusal{EditRefusal::Why::unknown,
+                            "the disk failed; send the edit again to learn whether it is in", head_};
+    }
+    if (!as_expected) {
+        // What the journal tells is the truth: it may hold edits whose fate was not known before
+        take_back();
+        if (target > head_) return catch_up(std::move(lock), target);
+        return finish(std::move(lock));
+    }
+    for (const Work& work : committing_) changes_.push_back({++head_, work.applied->dirty});
+    finish(std::move(lock));
+}
+
+/// Undoes what is being committed, the last first.
+void LiveScene::take_back() {
+    for (std::size_t i = committing_.size(); i-- > 0;)
+        if (committing_[i].applied) {
+            apply_edit(committing_[i].applied->inverse, patterns(), book_).value();
+            committing_[i].applied.reset();
+        }
+}
+
+void LiveScene::catch_up(std::unique_lock<std::mutex> lock, Revision target) {
+    const Revision from = head_ + 1;
+    lock.unlock();
+    auto ticket =
+        journal_->follow(from, [this, target](History history) { take_history(std::move(history), target); });
+    lock.lock();
+    follows_ = std::move(ticket);
+}
+
+void LiveScene::take_history(History history, Revision target) {
+    std::unique_lock lock{mutex_};
+    const auto* edits = std::get_if<std::vector<Edit>>(&history);
+    if (edits == nullptr) {
+        // Nothing is lost: the next commit finds the gap and asks again
+        spdlog::error("scene {}: the journal does not tell its edits after revision {}", id_, head_);
+        return finish(std::move(lock));
+    }
+    for (const Edit& edit : *edits)
+        if (edit.revision == head_ + 1) apply(edit);
+    return head_ < target ? catch_up(std::move(lock), target) : finish(std::move(lock));
+}
+
+/// The next edit of the journal. One that was possible when it was accepted, but is not after what the
+/// journal put before it, changes nothing, here as after every restart.
+void LiveScene::apply(const Edit& edit) {
+    proto::Edit message;
+    Change change{edit.revision, {}};
+    if (!message.ParseFromString(edit.bytes)) {
+        spdlog::error("scene {}: the journal's edit {} cannot be read", id_, edit.revision);
+    } else if (auto applied = apply_edit(message, patterns(), book_)) {
+        change.dirty = applied->dirty;
+        for (Work& work : committing_)
+            if (work.append.id == edit.id) work.applied = std::move(*applied);
+    } else {
+        spdlog::warn("scene {}: edit {} changes nothing: {}", id_, edit.revision, applied.error().detail);
+    }
+    head_ = edit.revision;
+    changes_.push_back(std::move(change));
+}
+
+/// now() is what the book says.
+void LiveScene::publish() {
+    for (const Change& change : changes_)
+        for (const TexelBox& box : change.dirty) page_revisions_.mark(box, change.revision);
+    auto scene = std::make_shared<Scene>(*base_);
+    scene->revision = head_;
+    scene->page_revisions = page_revisions_;
+    scene->sprites = book_.map();
+    scene->texture = make_sprite_texture(base_->ground, base_->sprite_images, book_.map());
+    now_.store(std::move(scene));
+}
+
+/// Shows what was committed, answers, and goes on with what came meanwhile.
+void LiveScene::finish(std::unique_lock<std::mutex> lock) {
+    std::vector<Change> changes;
+    std::vector<std::shared_ptr<Listener>> listeners;
+    if (!changes_.empty()) {
+        publish();
+        changes = std::exchange(changes_, {});
+        for (const auto& listener : listeners_)
+            if (auto kept = listener.lock()) listeners.push_back(std::move(kept));
+        keep_snapshot();
+    }
+    std::vector<Work> done = std::exchange(committing_, {}), impossible = std::exchange(impossible_, {});
+    lock.unlock();
+
+    for (const auto& listener : listeners) (*listener)(changes);
+    for (Work& work : done) {
+        if (auto* answer = std::get_if<proto::EditAnswer>(&*work.outcome); answer && work.applied) {
+            *answer->mutable_inverse() = std::move(work.applied->inverse);
+            for (const TexelBox& box : work.applied->dirty) {
+                proto::DirtyBox& dirty = *answer->add_dirty();
+                dirty.set_x0(box.x0);
+                dirty.set_y0(box.y0);
+                dirty.set_x1(box.x1);
+                dirty.set_y1(box.y1);
+            }
+        }
+        work.handler(std::move(*work.outcome));
+    }
+    ask_for_retries(std::move(impossible));
+
+    lock.lock();
+    if (waiting_.empty() || closing_)
+        commits_ = false;
+    else
+        commit(std::move(lock));
+}
+
+/// What is not possible may be a retry of what is in: then the journal answers it.
+void LiveScene::ask_for_retries(std::vector<Work> refused) {
+    for (Work& work : refused) {
+        const auto kept = std::make_shared<Work>(std::move(work));
+        journal_->find(kept->append.id, [this, kept](Result<std::optional<Revision>> found) {
+            if (!found || !*found) return kept->handler(std::move(*kept->outcome));
+            std::unique_lock lock{mutex_};
+            kept->outcome.reset();
+            kept->is_in = true;
+            waiting_.push_back(std::move(*kept));
+            if (!commits_) commit(std::move(lock));
+        });
+    }
+}
+
+void LiveScene::keep_snapshot() {
+    if (keeps_snapshot_ || closing_ || !journal_->status().snapshot_due) return;
+    keeps_snapshot_ = true;
+    if (snapshots_.joinable()) snapshots_.join();
+    snapshots_ = std::jthread{[this, map = book_.map(), revisions = page_revisions_, revision = head_] {
+        proto::LiveState state;
+        state.set_revision(revision);
+        constexpr std::int64_t everywhere = std::int64_t{1} << 41;
+        for (const Sprite& sprite : map.meeting({-everywhere, -everywhere, everywhere, everywhere}))
+            write_sprite(sprite, *state.add_sprites());
+        state.set_page_revisions(revisions.save());
+        journal_->keep_snapshot({revision, state.SerializeAsString()}, [this](Result<void> kept) {
+            if (!kept) spdlog::error("scene {}: no snapshot: {}", id_, kept.error().detail);
+            const std::lock_guard lock{mutex_};
+            keeps_snapshot_ = false;
+        });
+    }};
+}
+
+}  // namespace tessera

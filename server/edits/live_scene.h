@@ -1,0 +1,136 @@
+#pragma once
+
+#include <atomic>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <variant>
+#include <vector>
+
+#include "proto/edit.pb.h"
+
+#include "server/edits/apply_edit.h"
+#include "server/edits/sprite_book.h"
+#include "server/journal/journal.h"
+#include "server/progress/progress.h"
+#include "server/scene/scene.h"
+
+namespace tessera {
+
+/// Why an edit is not in, or not known to be.
+struct EditRefusal {
+    enum class Why {
+        wrong,          ///< The edit itself: malformed, or not possible now.
+        conflict,       ///< base_revision is not the head; read the present state, and decide again.
+        other_content,  ///< The id was used for another edit.
+        too_old,        ///< known_revision is beyond what the journal remembers.
+        overloaded,     ///< Passing.
+        unavailable,  ///< The disk is full or fails, or the journal is closed. Passing, for those who run it.
+        unknown,      ///< In or not in: ask again with the same id.
+    };
+    Why why{};
+    std::string detail;
+    Revision head = 0;  ///< The scene's revision, as far as it is known.
+};
+
+using EditOutcome = std::variant<proto::EditAnswer, EditRefusal>;
+
+/// A scene that takes edits: what was accepted is in the journal first, then in the next now().
+///
+/// An edit is validated against the state that all edits before it left. Edits that arrive while others are
+/// being committed are committed together. What the journal tells is the truth: after a restart the same
+/// edits in the same order give the same scene. All members may be called from any thread.
+class LiveScene final : public SceneNow {
+  public:
+    /// Edits that wait for the commit before theirs; beyond it, overloaded.
+    static constexpr std::size_t max_waiting = 4096;
+
+    /// `base` has sprites. Brings it to the state of the journal's head. Errors: io_failure, invalid_input,
+    /// in the journal's words.
+    static Result<std::unique_ptr<LiveScene>> open(ScenePtr base, std::unique_ptr<Journal> journal,
+                                                   Progress& progress);
+
+    /// close().
+    ~LiveScene() override;
+
+    /// Takes no more edits, commits what is in the journal's queue, and answers everybody. Not on a thread of
+    /// the journal. Idempotent; now() goes on.
+    void close();
+
+    /// The scene with all edits that were acknowledged.
+    ScenePtr now() const override { return now_.load(); }
+
+    /// The scene file or its assets have changed: the same sprites over another ground. `base` has sprites.
+    void rebase(ScenePtr base);
+
+    using Handler = std::function<void(EditOutcome)>;
+    /// `handler` is called once, when the edit is in for good and now() has it, or when it is refused; on
+    /// another thread or before returning, and it must not block.
+    void edit(proto::Edit edit, Handler handler);
+
+    /// What now() has that it had not before.
+    struct Change {
+        Revision revision = 0;
+        std::vector<TexelBox> dirty;
+    };
+    /// Called after now() has changed and before the edits are answered, on a thread of the journal; must not
+    /// block. Until the pointer that is returned is let go.
+    using Listener = std::function<void(const std::vector<Change>&)>;
+    [[nodiscard]] std::shared_ptr<void> listen(Listener listener);
+
+  private:
+    /// An edit from its arrival to its answer.
+    struct Work {
+        proto::Edit edit;
+        Append append;
+        Handler handler;
+        std::optional<AppliedEdit> applied;  ///< What it did to book_.
+        std::optional<EditOutcome> outcome;
+        bool is_in = false;  ///< In the journal already, as far as its id tells.
+    };
+
+    LiveScene(ScenePtr base, std::unique_ptr<Journal> journal);
+    Result<void> recover(Progress& progress);
+
+    // Each of these is called with the lock, and gives it back unlocked
+    void commit(std::unique_lock<std::mutex> lock);
+    void catch_up(std::unique_lock<std::mutex> lock, Revision target);
+    void finish(std::unique_lock<std::mutex> lock);
+
+    void settle(std::vector<AppendOutcome> outcomes);
+    void take_history(History history, Revision target);
+    void ask_for_retries(std::vector<Work> refused);
+    void take_back();
+    void apply(const Edit& edit);
+    void publish();
+    void keep_snapshot();
+    SpritePatterns patterns() const noexcept;
+
+    const std::string id_;
+    std::atomic<ScenePtr> now_;
+
+    mutable std::mutex mutex_;  ///< Guards what follows; never held while waiting for the disk or a handler.
+    ScenePtr base_;
+    SpriteBook book_;  ///< At head_, and with what is being committed.
+    PageRevisions page_revisions_;
+    Revision head_ = 0;
+    std::deque<Work> waiting_;
+    std::vector<Work> committing_;  ///< In the order of the journal's outcomes.
+    std::vector<Work> impossible_;  ///< Could not be applied; perhaps retries of what is in already.
+    std::vector<Change> changes_;   ///< Of the last commit.
+    bool commits_ = false;
+    bool closing_ = false;
+    Journal::Ticket follows_;
+    std::vector<std::weak_ptr<Listener>> listeners_;
+    std::jthread snapshots_;
+    bool keeps_snapshot_ = false;
+
+    std::unique_ptr<Journal> owned_journal_;
+    Journal* const journal_;  ///< The same; it still answers while it is being closed.
+};
+
+}  // namespace tessera
