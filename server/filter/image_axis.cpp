@@ -7,8 +7,6 @@ namespace tessera {
 
 namespace {
 
-constexpr std::int64_t block_texels = std::int64_t{1} << ImageAxis::block_level;
-
 std::int64_t floor_mod(std::int64_t a, std::int64_t period) noexcept {
     const std::int64_t rest = a % period;
     return rest < 0 ? rest + period : rest;
@@ -16,11 +14,11 @@ std::int64_t floor_mod(std::int64_t a, std::int64_t period) noexcept {
 
 }  // namespace
 
-ImageAxis::ImageAxis(std::int32_t texels, Beyond beyond) noexcept
-    : texels_{texels},
-      blocks_{beyond == Beyond::repeat ? texels / std::gcd(std::int64_t{texels}, block_texels)
-                                       : (texels + block_texels - 1) / block_texels + 2},
-      beyond_{beyond} {}
+ImageAxis::ImageAxis(std::int32_t texels, Beyond beyond, int block_level) noexcept
+    : texels_{texels}, blocks_{0}, beyond_{beyond} {
+    const std::int64_t side = std::int64_t{1} << block_level;
+    blocks_ = beyond == Beyond::repeat ? texels / std::gcd(texels_, side) : (texels + side - 1) / side + 2;
+}
 
 std::int64_t ImageAxis::texel(std::int64_t at) const noexcept {
     return beyond_ == Beyond::repeat ? floor_mod(at, texels_) : std::clamp<std::int64_t>(at, 0, texels_ - 1);

@@ -7,14 +7,12 @@
 
 namespace tessera {
 
-/// One side of a stored image on the infinite lattice. A *block* is 8 texels of level 0; how they lie to the
-/// image repeats, or ends at the edges, so that a line of blocks is described by finitely many of them: one
-/// period where the image repeats, and where it clamps those that meet it and one beyond each edge.
+/// One side of a stored image on the infinite lattice. A *block* is 2^block_level texels of level 0; how they
+/// lie to the image repeats, or ends at the edges, so that a line of blocks is described by finitely many of
+/// them: one period where the image repeats, and where it clamps those that meet it and one beyond each edge.
 class ImageAxis {
   public:
-    static constexpr int block_level = 3;
-
-    ImageAxis(std::int32_t texels, Beyond beyond) noexcept;
+    ImageAxis(std::int32_t texels, Beyond beyond, int block_level) noexcept;
 
     /// How many blocks describe the axis, and the first one's number.
     std::int64_t blocks() const noexcept { return blocks_; }

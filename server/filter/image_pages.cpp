@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <vector>
 
@@ -18,14 +20,19 @@ constexpr std::size_t image_cache_bytes = std::size_t{256} << 20;
 /// Texel (x, y) of level l is the average of the 2^l × 2^l texels of level 0 under it, of the lattice that
 /// the repeated or clamped image makes, whatever the image's size: where a side is not a multiple of 2^l, a
 /// texel that meets the border averages what lies on both sides of it. Sums are exact integers, rounded once.
-/// Sums of up to 8×8 texels are made when they are asked for; those above come from a summed-area table of
-/// such blocks.
+/// Sums of less than a block of up to 8×8 texels are made when they are asked for; those above come from a
+/// summed-area table of blocks. Where an image repeats, blocks are no larger than its sides are multiples of:
+/// larger ones would be no fewer. The table then takes up to 32 bytes a texel.
 class ImagePages final : public TexelPages {
   public:
     ImagePages(const LinearImage& image, Beyond beyond)
         : width_{image.width},
-          across_{image.width, beyond},
-          down_{image.height, beyond},
+          block_level_{
+              beyond == Beyond::clamp
+                  ? 3
+                  : std::min(3, std::countr_zero(static_cast<std::uint32_t>(image.width | image.height)))},
+          across_{image.width, beyond, block_level_},
+          down_{image.height, beyond, block_level_},
           steps_(image.values.size()),
           cache_{image_cache_bytes} {
         double furthest = 0;
@@ -47,7 +54,7 @@ class ImagePages final : public TexelPages {
             auto page = std::make_shared<TexelPage>();
             page->steps.resize(std::size_t{4} * page_side_texels * page_side_texels);
             page->bound_codes = texel_bound_codes_ + (level == 0 ? 0 : 0.5 / 65535.0 / code_in_linear);
-            if (level < ImageAxis::block_level)
+            if (level == 0 || level < block_level_)
                 sum_texels(level, x * page_side_texels, y * page_side_texels, page->steps.data());
             else
                 look_up(level, x * page_side_texels, y * page_side_texels, page->steps.data());
@@ -75,7 +82,7 @@ class ImagePages final : public TexelPages {
     }
 
     void sum_blocks() {
-        constexpr std::int64_t side = std::int64_t{1} << ImageAxis::block_level;
+        const std::int64_t side = std::int64_t{1} << block_level_;
         const std::int64_t wide = across_.blocks() + 1, high = down_.blocks() + 1;
         table_.assign(4 * static_cast<std::size_t>(wide * high), 0);
         std::vector<std::int64_t> columns;
@@ -117,7 +124,7 @@ class ImagePages final : public TexelPages {
     }
 
     void look_up(int level, std::int64_t x, std::int64_t y, std::uint16_t* out) const {
-        const int shift = level - ImageAxis::block_level;
+        const int shift = level - block_level_;
         std::vector<std::array<ImageAxis::Piece, 3>> columns;
         for (std::int64_t i = 0; i < page_side_texels; ++i)
             columns.push_back(across_.pieces((x + i) * (std::int64_t{1} << shift),
@@ -144,6 +151,7 @@ class ImagePages final : public TexelPages {
     }
 
     std::int32_t width_;
+    int block_level_;
     ImageAxis across_, down_;
     std::vector<std::uint16_t> steps_;  ///< RGBA of the image, rows from the top.
     std::vector<std::uint64_t> table_;  ///< Of describing blocks; a row and a column of zeros first.

@@ -67,7 +67,7 @@ TEST(FootprintLaws, BoundsHoldOnBlackAndWhiteWhateverTheGrain) {
         const auto pages = pages_of_image(black_and_white(512, grain, 1), Beyond::repeat);
         Draws draws{static_cast<std::uint64_t>(grain)};
         std::vector<Footprint> footprints;
-        for (int i = 0; i < 1500; ++i)
+        for (int i = 0; i < 500; ++i)
             footprints.push_back(
                 draws.footprint(static_cast<std::int64_t>(draws.bits() % 4096) - 2048, i, 1500));
         std::vector<FilteredSample> truth(footprints.size()), samples(footprints.size());
