@@ -245,8 +245,9 @@ TEST(BudgetLaws, HoldOverContentExchange) {
         ExchangeOptions exchange;
         exchange.choice = choice;
         const auto texture = make_exchange_texture(tests::make_synthetic_asset(options), exchange);
-        expect_bounds_to_hold(choice == Choice::typed ? "typed" : "independent", texture,
-                              footprints(30, 0.5, 150, 200));
+        expect_bounds_to_hold(
+            choice == Choice::typed ? "typed" : "independent", texture,
+            choice == Choice::typed ? footprints(30, 0.5, 150, 200) : footprints(12, 0.5, 100, 200));
     }
 }
 
@@ -259,20 +260,23 @@ TEST(BudgetLaws, HoldOverPatternsWhoseProbabilitiesVary) {
                     }};
     const auto texture = make_cell_texture(made_area_plan(areas, made_patterns(1, 16)));
     auto of = footprints(20, 0.5, 90, 300);
-    for (const Footprint& large : footprints(4, 200, 400, 6000)) of.push_back(large);
+    for (const Footprint& large : footprints(2, 200, 300, 6000)) of.push_back(large);
     expect_bounds_to_hold("dithered areas", texture, of);
 
-    // Coarser texels carry their expectation's bound into the sample: some limits need exact ones
-    const Footprint square = footprint_around(100, 100, {0, 0}, {1500, 10}, {-10, 1500});
+    // Coarser texels carry their expectation's bound into the sample: a strict limit needs exact ones
+    constexpr FootprintFilter exact{.kind = FilterKind::exact};
+    const Footprint square = footprint_around(100, 100, {0, 0}, {300, 10}, {-10, 300});
     Sampled sampled{texture};
     std::vector<std::uint8_t> steps;
-    const auto loose = sampled.sample(choose_filter({}, Accuracy::high, 20), {&square, 1}, steps);
-    const std::uint8_t cheap = steps[0];
-    const auto strict = sampled.sample(choose_filter({}, Accuracy::high, 0.1), {&square, 1}, steps);
-    EXPECT_LT(strict[0].bound_codes, 0.1);
-    EXPECT_LE(loose[0].bound_codes, 20);
-    EXPECT_LT(cheap, 2);
-    EXPECT_GE(choose_filter({}, Accuracy::high, 0.1).steps[steps[0]].texels == Accuracy::exact, true);
+    const SamplePlan on_fast{{{exact, Accuracy::fast}}, 0}, on_exact{{{exact, Accuracy::exact}}, 0};
+    const double loose = sampled.sample(on_fast, {&square, 1}, steps)[0].bound_codes;
+    const double strict = sampled.sample(on_exact, {&square, 1}, steps)[0].bound_codes;
+    ASSERT_LT(strict, loose);
+    for (const double limit : {loose, (loose + strict) / 2}) {
+        const SamplePlan both{{{exact, Accuracy::fast}, {exact, Accuracy::exact}}, limit};
+        EXPECT_LE(sampled.sample(both, {&square, 1}, steps)[0].bound_codes, limit);
+        EXPECT_EQ(steps[0], limit < loose ? 1 : 0);
+    }
 }
 
 }  // namespace
