@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "shared/motion/cycle_place.h"
+
 namespace tessera {
 
 namespace {
@@ -49,23 +51,32 @@ void AnimationOp::run(const Stretch& stretch, const std::int32_t* const* in, std
     const AnimationSetting& setting = settings_[static_cast<std::size_t>(settled.setting)];
     const TimeLine& line = frames_->line;
     const std::int32_t* patterns = frames_->patterns.data();
-    std::int32_t i = 0;
-    if (stretch.validity != nullptr) {
-        Validity validity = *stretch.validity;
-        bool across = false;
-        for (; i < stretch.count && !is_one_step(validity); ++i) {
-            const Shown shown = shown_at(line, cycle_of(setting, in, i), stretch.step);
-            // What lasts until after a change is worked out below
-            across |= !changes_.empty() && (shown.validity.from <= settled.holds.from ||
-                                            shown.validity.until >= settled.holds.until);
-            validity.meet(shown.validity);
-            out[i] = patterns[shown.frame];
+    // Of cells at rest, the fewest steps since one began and until one ends, here and below; others are few
+    std::int64_t since = endless_rest, left = endless_rest;
+    for (std::int32_t i = 0; i < stretch.count; ++i) {
+        const Cycle cycle = cycle_of(setting, in, i);
+        std::int32_t frame = 0;
+        if (cycle.rest < endless_rest) {
+            const auto [at, before] = place_at(line, cycle, stretch.step);
+            std::int64_t begin = 0, end = before + 1;
+            if (at > before) {
+                frame = line.frame_at(at - before);
+                begin = before + line.begin_of(frame);
+                end = before + line.end_of(frame);
+            }
+            since = std::min(since, at - begin);
+            left = std::min(left, end - at);
         }
-        if (across && !is_one_step(validity)) return pass(stretch, in, out);
-        *stretch.validity = validity;
+        out[i] = patterns[frame];
     }
-    for (; i < stretch.count; ++i)
-        out[i] = patterns[line.frame_at(position_at(line, cycle_of(setting, in, i), stretch.step))];
+    if (stretch.validity == nullptr || line.frames() == 1) return;
+    Validity validity;
+    if (since < endless_rest) validity = {add_steps(stretch.step, -since), add_steps(stretch.step, left)};
+    // What lasts until after a change is worked out cell by cell
+    if (changes_.empty() || (validity.from > settled.holds.from && validity.until < settled.holds.until))
+        stretch.validity->meet(validity);
+    else if (!is_one_step(*stretch.validity))
+        pass(stretch, in, out);
 }
 
 /// Any step, of cells that know of all settings.
@@ -75,6 +86,11 @@ void AnimationOp::pass(const Stretch& stretch, const std::int32_t* const* in, st
     for (std::int32_t i = 0; i < stretch.count; ++i) {
         for (std::size_t setting = 0; setting < settings_.size(); ++setting)
             cycles[setting] = cycle_of(settings_[setting], in, i);
+        if (std::all_of(all.begin(), all.end(),
+                        [](const Cycle& cycle) { return cycle.rest >= endless_rest; })) {
+            out[i] = frames_->patterns.front();
+            continue;
+        }
         if (stretch.validity != nullptr && !is_one_step(*stretch.validity)) {
             const Shown shown = shown_at(frames_->line, all, changes_, stretch.step);
             stretch.validity->meet(shown.validity);

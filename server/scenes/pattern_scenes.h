@@ -9,8 +9,8 @@
 
 namespace tessera {
 
-/// Raise it whenever a painter or a scene below paints or says something else: samples that an earlier
-/// version painted are made again. A test holds it to what is painted.
+/// Raise it whenever a painter or a scene below, or of moving_scenes.h, paints or says something else:
+/// samples that an earlier version painted are made again. A test holds it to what is painted.
 inline constexpr std::uint32_t painting_version = 1;
 
 /// The case studies of Lefebvre & Neyret, section 4, as scenes: names of samples.

@@ -7,6 +7,7 @@
 
 #include "server/scene/asset_file.h"
 #include "server/scene/scene.h"
+#include "server/scenes/moving_scenes.h"
 #include "server/scenes/paint_pebbles.h"
 #include "server/scenes/painted_folder.h"
 #include "server/scenes/pattern_scenes.h"
@@ -154,7 +155,8 @@ Result<Made> make_painted(const Sample& sample, const fs::path& folder, bool for
     const fs::path target = folder / sample.name;
     if (!force && standing_of(target) == Standing::current) return Made::kept;
     progress.advance("painting", 0);
-    PaintedScene painted = paint_pattern_scene(sample.name);
+    PaintedScene painted = sample.source == Sample::Source::moving ? paint_moving_scene(sample.name)
+                                                                   : paint_pattern_scene(sample.name);
     progress.advance("painting", 1);
     painted.scene.MergeFrom(described(sample.title, sample.attribution));
     const auto written = write_painted_folder(target, painted, [&](const fs::path& inside) {
@@ -186,6 +188,8 @@ const std::vector<Sample>& all_samples() {
         {"terrain", "Land: sand, forest, rock and snow", painted, patterns},
         {"petals", "Cherry petals on pebbles", painted, patterns},
         {"grove", "A grove in slices", painted, patterns},
+        {"message-board", "A message board of 12288 × 1536 LEDs", painted, moving},
+        {"fireflies", "Fireflies over pebbles", painted, moving},
         {"constant", "One colour", "", constant},
         {"checker", "Checkerboard", "", checker},
     };
@@ -204,7 +208,8 @@ fs::path photo_of(const Sample& sample, const fs::path& photos) {
 
 Result<Made> make_sample(const Sample& sample, const fs::path& folder, const fs::path& photos, bool force,
                          Progress& progress) {
-    if (sample.source == Sample::Source::patterns) return make_painted(sample, folder, force, progress);
+    if (sample.source == Sample::Source::patterns || sample.source == Sample::Source::moving)
+        return make_painted(sample, folder, force, progress);
     const fs::path target = folder / sample.name;
     const bool keep_scene = !force && holds_valid_scene(target);
     if (keep_scene && !is_outdated(target)) return Made::kept;

@@ -14,7 +14,7 @@ namespace tessera {
 
 /// A scene that ships with Tessera.
 struct Sample {
-    enum class Source { painting, photograph, constant, checker, patterns };
+    enum class Source { painting, photograph, constant, checker, patterns, moving };
     std::string_view name;  ///< The scene's id.
     std::string_view title;
     std::string_view attribution;

@@ -10,10 +10,10 @@ import {flat_page} from './png.mjs';
 const types = {'.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml'};
 
 /**
- * @param {{web: string, n?: number, port?: number, channels?: string[], slices?: number, answer_page?: (page: {z: number, x: number, y: number}, response: import('node:http').ServerResponse, url: URL) => boolean | Promise<boolean>}} options
- *   `answer_page` returns true when it has answered.
+ * @param {{web: string, n?: number, port?: number, channels?: string[], slices?: number, clock?: object, answer_page?: (page: {z: number, x: number, y: number}, response: import('node:http').ServerResponse, url: URL) => boolean | Promise<boolean>}} options
+ *   `clock`: what TileJSON says of a scene that moves. `answer_page` returns true when it has answered.
  */
-export async function start_page_server({web, n = 4, port = 0, channels = undefined, slices = undefined, answer_page = () => false}) {
+export async function start_page_server({web, n = 4, port = 0, channels = undefined, slices = undefined, clock = {}, answer_page = () => false}) {
   const requests = [];
   const server = createServer(async (request, response) => {
     const url = new URL(request.url ?? '/', 'http://127.0.0.1');
@@ -25,7 +25,7 @@ export async function start_page_server({web, n = 4, port = 0, channels = undefi
     if (url.pathname === '/scenes/tints') {
       return json({tilejson: '3.0.0', name: 'Tints', maxzoom: n, tessera: {
         id: 'tints', extent_log2_pages: n, formats: ['png'], texture: 'constant', page_url: '/scenes/tints/r0-abc/{z}/{x}/{y}',
-        channels, slices,
+        channels, slices, ...clock,
       }});
     }
     if (page) {
