@@ -1,12 +1,14 @@
 #include "server/edits/live_scene.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <utility>
 
 #include <spdlog/spdlog.h>
 
 #include "server/journal/journal_wait.h"
 #include "server/sprites/sprite_texture.h"
+#include "shared/math/hash.h"
 
 namespace tessera {
 
@@ -38,6 +40,15 @@ EditRefusal refusal_of(const Refused& refused, Revision head) {
     return {why, refused.detail, head};
 }
 
+/// The journal's lineage is part of what pages are named by: another journal counts its revisions from 0
+/// again.
+std::string fingerprint_with(const std::string& base, const EditId& lineage) {
+    char digits[17];
+    std::snprintf(digits, sizeof digits, "%016llx",
+                  static_cast<unsigned long long>(mix(stream(base) ^ std::hash<EditId>{}(lineage))));
+    return digits;
+}
+
 Error of_history(const std::string& what) {
     return {ErrorCode::io_failure, "the journal's history cannot be read: " + what};
 }
@@ -50,7 +61,8 @@ LiveScene::LiveScene(ScenePtr base, std::unique_ptr<Journal> journal)
       book_{base_->sprites},
       page_revisions_{page_revision_bytes},
       owned_journal_{std::move(journal)},
-      journal_{owned_journal_.get()} {}
+      journal_{owned_journal_.get()},
+      lineage_{journal_->status().lineage} {}
 
 LiveScene::~LiveScene() { close(); }
 
@@ -282,6 +294,7 @@ void LiveScene::publish() {
         for (const TexelBox& box : change.dirty) page_revisions_.mark(box, change.revision);
     auto scene = std::make_shared<Scene>(*base_);
     scene->revision = head_;
+    scene->fingerprint = fingerprint_with(base_->fingerprint, lineage_);
     scene->page_revisions = page_revisions_;
     scene->sprites = book_.map();
     scene->texture = make_sprite_texture(base_->ground, base_->sprite_images, book_.map());

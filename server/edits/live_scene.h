@@ -131,6 +131,7 @@ class LiveScene final : public SceneNow {
 
     std::unique_ptr<Journal> owned_journal_;
     Journal* const journal_;  ///< The same; it still answers while it is being closed.
+    const EditId lineage_;
 };
 
 }  // namespace tessera

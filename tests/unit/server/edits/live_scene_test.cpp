@@ -183,6 +183,7 @@ proto::Edit random_edit(std::uint64_t seed, std::int64_t n) {
 void expect_replayed(const LiveScene& lived, const std::shared_ptr<Journal>& journal) {
     const auto replayed = open(journal);
     ASSERT_EQ(replayed->now()->revision, lived.now()->revision);
+    EXPECT_EQ(replayed->now()->fingerprint, lived.now()->fingerprint);
     EXPECT_EQ(replayed->now()->sprites.size(), lived.now()->sprites.size());
     for (const std::uint8_t level : std::vector<std::uint8_t>{0, 2, 5})
         EXPECT_EQ(texels_of(*replayed->now(), level), texels_of(*lived.now(), level));
@@ -240,6 +241,10 @@ TEST(LiveScene, AFailingDiskLosesNothingThatWasAcknowledgedAndNothingTwice) {
     EXPECT_EQ(journal->status().head, in);
     EXPECT_EQ(live->now()->revision, in);
     expect_replayed(*live, journal);
+}
+
+TEST(LiveScene, AnotherJournalIsAnotherFingerprintSinceItCountsFrom0Again) {
+    EXPECT_NE(open(memory_journal({}))->now()->fingerprint, open(memory_journal({}))->now()->fingerprint);
 }
 
 TEST(LiveScene, ListenersHearOfEveryRevisionInOrder) {
