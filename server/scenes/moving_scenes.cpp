@@ -6,6 +6,7 @@
 
 #include "server/scene/png_file.h"
 #include "server/scenes/patterns/canvas.h"
+#include "server/scenes/patterns/leaf.h"
 #include "server/scenes/patterns/lettering.h"
 #include "server/scenes/patterns/lights.h"
 #include "shared/math/hash.h"
@@ -179,9 +180,68 @@ PaintedScene paint_fireflies() {
     return painted;
 }
 
+/// Sprites over content exchange (section 3.2, explicit positioning): leaves that fell on the pebbles round
+/// the middle of the texture, and some that the wind still drags to and fro.
+PaintedScene paint_windfall() {
+    PaintedScene painted;
+    proto::Scene& scene = painted.scene;
+    painted.on_pebbles = true;
+    scene.mutable_content_exchange()->set_asset("asset");
+    constexpr std::int32_t side = 128;
+    using enum Leaf::Kind;
+    const LinearColor yellow{0.62, 0.36, 0.04}, red{0.42, 0.07, 0.02}, brown{0.20, 0.10, 0.04},
+        green{0.20, 0.26, 0.05};
+    const std::vector<Leaf> kinds{
+        {maple, red, yellow, brown, 0.2, 0.5, 1},     {oak, brown, yellow, red, 0.3, 0.6, 2},
+        {birch, yellow, green, brown, 0.3, 0.4, 3},   {beech, brown, red, yellow, 0.3, 0.5, 4},
+        {ginkgo, yellow, yellow, green, 0.2, 0.3, 5}, {willow, green, yellow, brown, 0.4, 0.5, 6}};
+    const Rgba8Image sheet = sheet_of(paint_all(static_cast<std::int32_t>(kinds.size()),
+                                                [&](std::int32_t i) {
+                                                    Rgba8Image leaf =
+                                                        paint_leaf(kinds[static_cast<std::size_t>(i)], side);
+                                                    add_contact_shade(leaf, 3, 0.5);
+                                                    return leaf;
+                                                }),
+                                      static_cast<std::int32_t>(kinds.size()));
+    painted.files.push_back(
+        {"leaves.png", to_png(sheet.width, sheet.height, PngColor::rgba, 8, sheet.bytes)});
+    proto::Sprites& sprites = *scene.mutable_sprites();
+    sprites.mutable_patterns()->set_image("leaves.png");
+    sprites.mutable_patterns()->set_side_texels(side);
+    constexpr std::int64_t middle = std::int64_t{1} << 27, reach = 1400;
+    constexpr std::uint64_t leaves = 160, in_the_wind = 24;
+    for (std::uint64_t id = 1; id <= leaves; ++id) {
+        const auto draw = [&](const char* what) {
+            return static_cast<double>(hash(11, stream(what), static_cast<std::int64_t>(id), 0) >> 40) /
+                   0x1p24;
+        };
+        const auto place = [&](const char* what) {
+            // Denser towards the middle
+            const double t = draw(what) * 2 - 1;
+            return static_cast<double>(middle) + static_cast<double>(reach) * t * (0.3 + 0.7 * t * t);
+        };
+        proto::SpritePlacement& leaf = *sprites.add_placed();
+        leaf.set_id(id);
+        leaf.set_pattern(static_cast<std::uint32_t>(draw("kind") * static_cast<double>(kinds.size())));
+        leaf.set_x(place("x"));
+        leaf.set_y(place("y"));
+        leaf.set_scale(0.4 + 0.5 * draw("scale"));
+        leaf.set_turn(draw("turn"));
+        if (id > in_the_wind) continue;
+        proto::SpritePath& path = *leaf.mutable_path();
+        path.set_to_x(leaf.x() + 60 + 240 * draw("gust"));
+        path.set_to_y(leaf.y() + 120 * draw("lull") - 60);
+        path.set_steps(static_cast<std::uint32_t>(30 + 40 * draw("time")));
+        path.set_then(proto::SpritePath::reverse);
+    }
+    scene.mutable_clock()->set_steps_per_second(12);
+    return painted;
+}
+
 constexpr std::pair<std::string_view, PaintedScene (*)()> painters[] = {
     {"message-board", paint_message_board},
     {"fireflies", paint_fireflies},
+    {"windfall", paint_windfall},
 };
 
 }  // namespace

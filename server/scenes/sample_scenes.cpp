@@ -190,6 +190,7 @@ const std::vector<Sample>& all_samples() {
         {"grove", "A grove in slices", painted, patterns},
         {"message-board", "A message board of 12288 × 1536 LEDs", painted, moving},
         {"fireflies", "Fireflies over pebbles", painted, moving},
+        {"windfall", "Leaves on pebbles, to be moved by hand", painted, moving},
         {"constant", "One colour", "", constant},
         {"checker", "Checkerboard", "", checker},
     };
