@@ -20,9 +20,19 @@ PlaneScene::PlaneScene(Extent extent, PageSource& source, const ResidencySetting
 
 ResidencyFrame PlaneScene::update(const PlaneView& view, ClientTime now, FilterChoice filter) {
     ResidencyFrame frame = residency_.update(view, now, sampling_of(filter));
+    // From now on sums are made while texels are at hand; draw() says why if there is no room
+    if (filter.filter == Filter::line_integral && !integrals_)
+        if (auto made = IntegralStore::make(residency_.settings().slots))
+            integrals_ = std::move(made.value());
     for (const SlotUpload& upload : frame.uploads) {
         pages_.upload(upload.slot, upload.texels);
-        without_integrals_.insert(upload.slot);
+        // Summed while its texels are at hand where sums are wanted; else remembered
+        if (integrals_ && filter.filter == Filter::line_integral) {
+            integrals_->upload(upload.slot, upload.texels, gutter_texels);
+            without_integrals_.erase(upload.slot);
+        } else {
+            without_integrals_.insert(upload.slot);
+        }
     }
     table_.update(residency_.table());
     if (!frame.uploads.empty()) last_upload_ = now;
@@ -39,7 +49,7 @@ Result<void> PlaneScene::bring_integrals() {
         integrals_ = std::move(made.value());
     }
     const std::vector<int> slots(without_integrals_.begin(), without_integrals_.end());
-    integrals_->build(pages_.coded_texture(), gutter_texels, slots);
+    integrals_->upload_from(pages_.coded_texture(), gutter_texels, slots);
     without_integrals_.clear();
     return {};
 }

@@ -42,10 +42,4 @@ Result<GlProgram> make_program(std::string_view vertex_source, std::string_view 
     return link({vertex->name(), fragment->name()});
 }
 
-Result<GlProgram> make_compute_program(std::string_view source) {
-    auto shader = compile(GL_COMPUTE_SHADER, source);
-    if (!shader) return shader.error();
-    return link({shader->name()});
-}
-
 }  // namespace tessera

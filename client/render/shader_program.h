@@ -10,7 +10,4 @@ namespace tessera {
 /// Compiles and links. Error: io_failure with the driver's log.
 Result<GlProgram> make_program(std::string_view vertex_source, std::string_view fragment_source);
 
-/// The same for a compute shader alone.
-Result<GlProgram> make_compute_program(std::string_view source);
-
 }  // namespace tessera

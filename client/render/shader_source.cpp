@@ -4,7 +4,6 @@
 
 #include "anisotropic_glsl.h"
 #include "filter_glsl.h"
-#include "integrals_comp.h"
 #include "isotropic_glsl.h"
 #include "line_integral_glsl.h"
 #include "pages_glsl.h"
@@ -88,7 +87,5 @@ std::string fragment_source(const ShaderVariant& variant) {
 }
 
 std::string vertex_source() { return std::string{version} + picture_vert_source; }
-
-std::string integrals_source() { return std::string{version} + integrals_comp_source; }
 
 }  // namespace tessera

@@ -22,6 +22,5 @@ struct ShaderVariant {
 /// The source to compile behind nothing else.
 std::string fragment_source(const ShaderVariant& variant);
 std::string vertex_source();
-std::string integrals_source();
 
 }  // namespace tessera

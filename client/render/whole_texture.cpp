@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <bit>
-#include <numeric>
+#include <string>
+#include <utility>
 
 #include "shared/math/srgb.h"
 
@@ -34,7 +35,7 @@ std::vector<Rgba8Image> averaged_levels(const Rgba8Image& image) {
     return levels;
 }
 
-WholeTexture::WholeTexture(const std::vector<Rgba8Image>& levels)
+WholeTexture::WholeTexture(std::vector<Rgba8Image> levels)
     : side_log2_{std::countr_zero(static_cast<unsigned>(levels.front().width))} {
     GLuint name = 0;
     glCreateTextures(GL_TEXTURE_2D, 1, &name);
@@ -45,40 +46,37 @@ WholeTexture::WholeTexture(const std::vector<Rgba8Image>& levels)
     for (std::size_t level = 0; level < levels.size(); ++level)
         glTextureSubImage2D(name, static_cast<GLint>(level), 0, 0, levels[level].width, levels[level].height,
                             GL_RGBA, GL_UNSIGNED_BYTE, levels[level].bytes.data());
-
-    // The same in layers of 256 × 256, in the order that whole.glsl counts them
-    for (const Rgba8Image& level : levels) {
-        const int side = std::max(level.width / page_side_texels, 1);
-        pages_ += side * side;
-    }
-    glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &name);
-    paged_codes_ = GlTexture{name};
-    glTextureStorage3D(name, 1, GL_RGBA8, page_side_texels, page_side_texels, pages_);
-    Rgba8Image page{page_side_texels, page_side_texels};
-    int layer = 0;
-    for (const Rgba8Image& level : levels) {
-        const int side = std::max(level.width / page_side_texels, 1);
-        for (int at = 0; at < side * side; ++at, ++layer) {
-            for (int y = 0; y < page_side_texels; ++y) {
-                const std::uint8_t* row = level.row((at / side * page_side_texels + y) % level.height);
-                for (int x = 0; x < page_side_texels; ++x)
-                    std::copy_n(row + 4 * ((at % side * page_side_texels + x) % level.width), 4,
-                                page.row(y) + 4 * x);
-            }
-            glTextureSubImage3D(name, 0, 0, 0, layer, page_side_texels, page_side_texels, 1, GL_RGBA,
-                                GL_UNSIGNED_BYTE, page.bytes.data());
-        }
-    }
+    levels_ = std::move(levels);
 }
 
+/// Layers of 256 × 256 texels, in the order that whole.glsl counts them; a smaller level repeats in its own.
 Result<void> WholeTexture::bring_integrals() {
     if (integrals_) return {};
-    auto made = IntegralStore::make(static_cast<std::size_t>(pages_));
+    const auto pages_a_side = [](const Rgba8Image& level) {
+        return std::max(level.width / page_side_texels, 1);
+    };
+    std::size_t pages = 0;
+    for (const Rgba8Image& level : levels_) {
+        const auto across = static_cast<std::size_t>(pages_a_side(level));
+        pages += across * across;
+    }
+    auto made = IntegralStore::make(pages);
     if (!made) return made.error();
     integrals_ = std::move(made.value());
-    std::vector<int> layers(static_cast<std::size_t>(pages_));
-    std::iota(layers.begin(), layers.end(), 0);
-    integrals_->build(paged_codes_.name(), 0, layers);
+    std::string texels(std::size_t{4} * page_side_texels * page_side_texels, '\0');
+    int page = 0;
+    for (const Rgba8Image& level : levels_) {
+        const int across = pages_a_side(level);
+        for (int at = 0; at < across * across; ++at, ++page) {
+            auto* texel = reinterpret_cast<std::uint8_t*>(texels.data());
+            for (int y = 0; y < page_side_texels; ++y) {
+                const std::uint8_t* row = level.row((at / across * page_side_texels + y) % level.height);
+                for (int x = 0; x < page_side_texels; ++x, texel += 4)
+                    std::copy_n(row + 4 * ((at % across * page_side_texels + x) % level.width), 4, texel);
+            }
+            integrals_->upload(page, texels, 0);
+        }
+    }
     return {};
 }
 

@@ -17,7 +17,7 @@ class WholeTexture {
     static constexpr std::int32_t least_side = 2, most_side = 2048;
 
     /// `levels`: of sides 2^k, 2^(k − 1), …, 1, as averaged_levels() makes them. Needs a current context.
-    explicit WholeTexture(const std::vector<Rgba8Image>& levels);
+    explicit WholeTexture(std::vector<Rgba8Image> levels);
 
     /// Sums lines, for Filter::line_integral. Error: io_failure with the driver's words.
     Result<void> bring_integrals();
@@ -32,9 +32,8 @@ class WholeTexture {
 
   private:
     int side_log2_;
-    int pages_ = 0;  ///< 256 × 256 each: levels that are smaller repeat in theirs
     GlTexture texture_;
-    GlTexture paged_codes_;
+    std::vector<Rgba8Image> levels_;
     std::unique_ptr<IntegralStore> integrals_;
 };
 

@@ -179,7 +179,7 @@ TEST_F(Filters, ShowTheCoarserPageWhereTheFineOneIsMissing) {
     }
     table_texture.update(table);
     const int slots[] = {0, 1, 2, 3};
-    (*integrals)->build(store.coded_texture(), gutter_texels, slots);
+    (*integrals)->upload_from(store.coded_texture(), gutter_texels, slots);
     const TexelTextures textures{store.texture(), store.coded_texture(), table_texture.texture(),
                                  (*integrals)->texture()};
     // Footprints of 2.4 texels of level 0, upright: their integral over level 1 is known

@@ -76,7 +76,7 @@ class RepeatedPages {
         integrals_ = std::move(*made);
         std::vector<int> slots(keys.size());
         std::iota(slots.begin(), slots.end(), 0);
-        integrals_->build(store_->coded_texture(), gutter_texels, slots);
+        integrals_->upload_from(store_->coded_texture(), gutter_texels, slots);
     }
 
     TexelTextures textures() const {
