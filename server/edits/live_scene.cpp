@@ -297,6 +297,7 @@ void LiveScene::publish() {
     scene->fingerprint = fingerprint_with(base_->fingerprint, lineage_);
     scene->page_revisions = page_revisions_;
     scene->sprites = book_.map();
+    scene->animated = base_->ground_animated || book_.map().living() > 0;
     scene->texture = make_sprite_texture(base_->ground, base_->sprite_images, book_.map());
     now_.store(std::move(scene));
 }

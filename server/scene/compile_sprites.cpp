@@ -51,6 +51,8 @@ Result<void> compile_sprites(const std::filesystem::path& folder, const std::fil
         if (auto placed = map.place(*sprite); !placed) return wrong(": " + placed.error().detail);
     }
     scene.slices = scene.slices == 0 ? 0 : std::lcm(scene.slices, patterns->slices);
+    scene.ground_animated = scene.animated;
+    scene.animated = scene.animated || map.living() > 0;
     scene.ground = scene.texture;
     scene.sprite_images = std::make_shared<const SpriteImages>(*patterns, image_cache_bytes);
     scene.sprites = std::move(map);

@@ -33,6 +33,7 @@ struct Scene {
     /// Slices after which the texture is the same again: 1 without a third dimension, 0 if it never is.
     std::int32_t slices = 1;
     std::shared_ptr<const Texture> ground;              ///< What sprites lie over; null: the scene has none.
+    bool ground_animated = false;                       ///< Whether it changes with the step by itself.
     std::shared_ptr<const SpriteImages> sprite_images;  ///< What they look like.
     PositioningMap sprites;                             ///< Where they are.
     bool animated = false;                              ///< Whether anything changes with the step.

@@ -106,7 +106,7 @@ class SpriteTexture final : public PatternTexture {
         return done;
     }
 
-    std::string_view kind() const noexcept override { return "pattern"; }
+    std::string_view kind() const noexcept override { return ground_->kind(); }
     int cell_level() const noexcept override {
         const auto* cells = dynamic_cast<const PatternTexture*>(ground_.get());
         return cells ? cells->cell_level() : -1;

@@ -244,6 +244,7 @@ Result<void> PositioningMap::place(const Sprite& sprite) {
     const Cell home = home_of(box_of(sprite));
     insert(roots_[quadrant(home)], home, sprite);
     ++size_;
+    if (sprite.life) ++living_;
     return {};
 }
 
@@ -256,6 +257,7 @@ bool PositioningMap::remove(const Sprite& sprite) {
     if (!node || !node->holds(sprite)) return false;
     erase(root, home, sprite);
     --size_;
+    if (sprite.life) --living_;
     return true;
 }
 

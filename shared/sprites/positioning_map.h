@@ -55,6 +55,8 @@ class PositioningMap {
     bool any_meets(const TexelBox& box) const;
 
     std::size_t size() const noexcept { return size_; }
+    /// Those that move, or are not always there.
+    std::size_t living() const noexcept { return living_; }
     std::size_t overlap_layers() const noexcept { return overlap_layers_; }
 
     /// Of this map alone, as if it shared nothing.
@@ -63,7 +65,7 @@ class PositioningMap {
   private:
     /// One tree for each quadrant of the plane, so that no node lies on both sides of an axis.
     std::array<detail::PositioningNodePtr, 4> roots_;
-    std::size_t size_ = 0;
+    std::size_t size_ = 0, living_ = 0;
     std::size_t overlap_layers_;
 };
 

@@ -26,7 +26,8 @@ class FailingJournal final : public Journal {
         const std::size_t count = batch.size();
         switch (next_()) {
             case Next::refuses:
-                return handler(std::vector<AppendOutcome>(count, Refused{RefusalReason::full, "the disk is full"}));
+                return handler(
+                    std::vector<AppendOutcome>(count, Refused{RefusalReason::full, "the disk is full"}));
             case Next::commits_but_cannot_tell:
                 return journal_->append(std::move(batch), [handler, count](std::vector<AppendOutcome>) {
                     handler(std::vector<AppendOutcome>(count, Unknown{}));
@@ -241,6 +242,30 @@ TEST(LiveScene, AFailingDiskLosesNothingThatWasAcknowledgedAndNothingTwice) {
     EXPECT_EQ(journal->status().head, in);
     EXPECT_EQ(live->now()->revision, in);
     expect_replayed(*live, journal);
+}
+
+TEST(LiveScene, MovesWithTheClockWhileAnySpriteDoes) {
+    const auto live = open(memory_journal({}));
+    ASSERT_TRUE(accepted(edit_and_wait(*live, placing(1, 50, 50))));
+    EXPECT_FALSE(live->now()->animated);
+    proto::Edit flying = placing(2, 50, 50);
+    auto& path = *flying.mutable_changes(0)->mutable_place_sprite()->mutable_path();
+    path.set_to_x(150);
+    path.set_to_y(50);
+    path.set_steps(100);
+    ASSERT_TRUE(accepted(edit_and_wait(*live, flying)));
+    EXPECT_TRUE(live->now()->animated);
+    // A page under its way changes when it moves, one elsewhere never does
+    const auto validity = [&](std::int64_t x) {
+        LinearImage out;
+        return live->now()
+            ->texture->evaluate({.x = x, .width = 64, .height = 64, .step = 40}, {}, out)
+            ->validity;
+    };
+    EXPECT_EQ(validity(64), (Validity{40, 41}));
+    EXPECT_TRUE(validity(640).is_static());
+    ASSERT_TRUE(accepted(edit_and_wait(*live, removing(2))));
+    EXPECT_FALSE(live->now()->animated);
 }
 
 TEST(LiveScene, AnotherJournalIsAnotherFingerprintSinceItCountsFrom0Again) {
