@@ -184,7 +184,8 @@ TEST_F(AccuracyCommand, TakesInTheRowsOfAGpu) {
         run("checker -o report --quick --width 32 --no-pages --no-pictures -q --gpu-rows gpu.json");
     ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
     int seen = 0;
-    for (const proto::AccuracyRow& row : report("report").rows())
+    const proto::AccuracyReport told = report("report");
+    for (const proto::AccuracyRow& row : told.rows())
         if (row.where() == "a renderer") {
             ++seen;
             EXPECT_EQ(row.pareto(), row.filter() == "anisotropic-16");
