@@ -49,6 +49,7 @@ TEST(JournalKill, EveryAcceptedEditIsThereOnceInOrder) {
     std::set<EditId> ids;
     std::size_t accepted = 0, snapshots = 0, forgotten = 0, unanswered = 0;
     for (int kill = 0; kill < kills; ++kill) {
+        std::filesystem::remove(accepted_file);
         {
             ChildProcess writer{JOURNAL_WRITER, {journal_folder.string(), accepted_file.string()}};
             // Some kills fall into opening
@@ -61,7 +62,8 @@ TEST(JournalKill, EveryAcceptedEditIsThereOnceInOrder) {
             writer.signal(SIGKILL);
             writer.wait(10s);
         }
-        for (const Line& line : kill % 10 != 9 ? lines_of(accepted_file) : std::vector<Line>{}) {
+        for (const Line& line :
+             std::filesystem::exists(accepted_file) ? lines_of(accepted_file) : std::vector<Line>{}) {
             ++accepted;
             const auto [place, fresh] = history.emplace(line.revision, line.id);
             ASSERT_EQ(place->second, line.id) << "revision " << line.revision << " was given twice";
