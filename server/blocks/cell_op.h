@@ -10,12 +10,12 @@ namespace tessera {
 inline constexpr std::int32_t stretch_cells = 1024;
 inline constexpr std::int32_t max_reach = 4;  ///< Corners of corners: so many cells further.
 
-/// What an enumeration asks an animation instead of a step: how often it shows a frame, or what its cells' cycles
-/// are, under one of its settings.
+/// What an enumeration asks an animation instead of a step: how often it shows a frame, or what its cells'
+/// cycles are, under one of its settings.
 struct AnimationProbe {
     std::size_t setting = 0;
-    std::int32_t frame = 0;     ///< Is shown, …
-    double* shares = nullptr;   ///< … and what share of all steps it is, is multiplied to these.
+    std::int32_t frame = 0;    ///< Is shown, …
+    double* shares = nullptr;  ///< … and what share of all steps it is, is multiplied to these.
     Cycle* cycles = nullptr;
 };
 
@@ -25,9 +25,9 @@ struct Stretch {
     std::int64_t y = 0;
     std::int64_t z = 0;
     std::int64_t step = 0;
-    std::int32_t count = 0;                ///< At most stretch_cells + max_reach.
-    const std::uint16_t* types = nullptr;  ///< Of these cells, where something is typed.
-    Validity* validity = nullptr;          ///< Animations narrow it to the steps in which no cell changes.
+    std::int32_t count = 0;                 ///< At most stretch_cells + max_reach.
+    const std::uint16_t* types = nullptr;   ///< Of these cells, where something is typed.
+    Validity* validity = nullptr;           ///< Animations narrow it to the steps in which no cell changes.
     const AnimationProbe* probe = nullptr;  ///< Asked instead of the step.
 };
 

@@ -18,7 +18,7 @@ struct CellRow {
     std::int64_t z = 0;      ///< The layer of cells, where a grid has a third dimension.
     std::int64_t step = 0;   ///< The animation clock.
     const std::uint16_t* types =
-        nullptr;  ///< Of these cells in the grid's quadtree; needed if needs_types().
+        nullptr;                   ///< Of these cells in the grid's quadtree; needed if needs_types().
     Validity* validity = nullptr;  ///< Narrowed, if given, to the steps in which no cell's frame changes.
 };
 
@@ -63,7 +63,7 @@ struct VaryingMap {
     Sampling sampling = Sampling::nearest;
     bool corners =
         false;  ///< A cell depends on the states of (i, j), (i+1, j), (i, j+1), (i+1, j+1): four integers.
-    bool nested = false;  ///< Dithered by nested thresholds; else every cell (or corner) by itself.
+    bool nested = false;        ///< Dithered by nested thresholds; else every cell (or corner) by itself.
     bool shared_draws = false;  ///< Cells share other draws than the map's with their neighbours, at corners.
 };
 

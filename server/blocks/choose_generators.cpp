@@ -105,7 +105,8 @@ Result<void> choose_generators(Compilation& c) {
         changed = false;
         for (Looks& texture : textures) {
             if (texture.mixed) continue;
-            texture.mixed = texture.varies != nullptr || texture.corners != no_block || texture.moves != nullptr;
+            texture.mixed =
+                texture.varies != nullptr || texture.corners != no_block || texture.moves != nullptr;
             for (const std::size_t node : texture.draws) {
                 const Generator generator = c.nodes[node].draw->generator;
                 texture.mixed |= generator != proto::Draw::automatic && generator != proto::Draw::typed;

@@ -44,7 +44,8 @@ struct BlockKernels {
                           const std::int32_t* column, std::int32_t cells, std::int32_t* out);
     /// out = c0 | c1 << bits | c2 << 2·bits | c3 << 3·bits
     void (*join_corners)(const std::int32_t* const* corners, int bits, std::int32_t cells, std::int32_t* out);
-    /// Adds to each of `sums` integers, four by four, those that the next `run` cells' indices name in `table`.
+    /// Adds to each of `sums` integers, four by four, those that the next `run` cells' indices name in
+    /// `table`.
     void (*add_colours)(const std::int64_t* table, const std::int32_t* indices, std::int32_t run,
                         std::int32_t sums, std::int64_t* out);
 };

@@ -94,7 +94,7 @@ class LookShares {
     bool independent_ = true;
     const CellNode* map_ = nullptr;
     bool corners_ = false;
-    bool draws_at_corners_ = false;  ///< Other than the map's.
+    bool draws_at_corners_ = false;         ///< Other than the map's.
     const CellNode* animated_ = nullptr;    ///< The one animation that pattern, turn or scale depend on.
     bool even_phases_ = false;              ///< Its phases are drawn, and nothing else depends on them.
     std::vector<std::int32_t> map_states_;  ///< Where there is an animation.
