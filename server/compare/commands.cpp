@@ -12,13 +12,13 @@
 
 #include "server/compare/comparison_sheet.h"
 #include "server/compare/judged_asset.h"
+#include "server/files/whole_file.h"
 #include "server/pages/page_encoder.h"
 #include "server/prepare/photo_options.h"
 #include "server/progress/interrupt.h"
 #include "server/progress/terminal_progress.h"
 #include "server/scene/asset_file.h"
 #include "server/scene/image_file.h"
-#include "server/files/whole_file.h"
 #include "server/scenes/paint_pebbles.h"
 
 namespace tessera {

@@ -68,7 +68,8 @@ void EmbeddedJournal::append(std::vector<Append> batch, Handler<std::vector<Appe
     const std::size_t count = batch.size(), bytes = bytes_of(batch);
     std::optional<Refused> refused;
     if (count > limits_.batch_edits) {
-        refused = Refused{RefusalReason::too_large, "the batch has " + std::to_string(count) +
+        refused =
+            Refused{RefusalReason::too_large, "the batch has " + std::to_string(count) +
                                                   " edits, more than " + std::to_string(limits_.batch_edits)};
     } else if (count != 0) {
         const std::lock_guard lock{mutex_};
@@ -76,7 +77,8 @@ void EmbeddedJournal::append(std::vector<Append> batch, Handler<std::vector<Appe
             refused = closed();
         } else if (queued_edits_ + count > limits_.queued_edits ||
                    (queued_edits_ != 0 && queued_bytes_ + bytes > limits_.queued_bytes)) {
-            refused = Refused{RefusalReason::overloaded, std::to_string(queued_edits_) + " edits wait already"};
+            refused =
+                Refused{RefusalReason::overloaded, std::to_string(queued_edits_) + " edits wait already"};
         } else {
             queued_edits_ += count;
             queued_bytes_ += bytes;
@@ -220,7 +222,8 @@ void EmbeddedJournal::decide(Batch& batch, std::vector<Edit>& fresh,
         Edit edit{standing.head + 1, append.id, now, {}};
         if (!outcome) {
             if (bytes + append.bytes.size() > horizon_.bytes) {
-                outcome = Refused{RefusalReason::full, "the journal holds " + std::to_string(bytes) + " of " +
+                outcome =
+                    Refused{RefusalReason::full, "the journal holds " + std::to_string(bytes) + " of " +
                                                      std::to_string(horizon_.bytes) +
                                                      " bytes: it has room again after the next snapshot"};
             } else if (trouble_ && std::chrono::steady_clock::now() < retry_at_) {
@@ -230,8 +233,8 @@ void EmbeddedJournal::decide(Batch& batch, std::vector<Edit>& fresh,
         if (outcome) {
             // What stems from edits of this commit falls with them
             const Refused* const refused = std::get_if<Refused>(&*outcome);
-            batch.of_this_commit[i] =
-                !fresh.empty() && !stored && !(refused != nullptr && refused->why == RefusalReason::too_large);
+            batch.of_this_commit[i] = !fresh.empty() && !stored &&
+                                      !(refused != nullptr && refused->why == RefusalReason::too_large);
             batch.outcomes.push_back(std::move(*outcome));
             continue;
         }

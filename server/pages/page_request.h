@@ -22,7 +22,7 @@ struct PageOptions {
     ChannelSet channels = ChannelSet::albedo;
     std::int64_t slice = 0;  ///< Scene::same_slice(): one number for all slices that look the same.
     std::optional<ErrorLimit> max_error{};  ///< The cheapest accuracy that keeps it.
-    std::int64_t step = 0;  ///< Of the animation clock; 0 where nothing moves.
+    std::int64_t step = 0;                  ///< Of the animation clock; 0 where nothing moves.
     bool operator==(const PageOptions&) const = default;
 };
 
@@ -51,8 +51,8 @@ struct PageId {
     std::uint64_t high = 0, low = 0;
     bool operator==(const PageId&) const = default;
 };
-/// Of a scene that moves this is the *line* of a page over all steps, and the page if it is the same at all of
-/// them.
+/// Of a scene that moves this is the *line* of a page over all steps, and the page if it is the same at all
+/// of them.
 PageId page_id(const PageRequest& request);
 
 /// Of the pages of a line, the one that is valid from `from` on, and unchanged in all steps before "always".

@@ -239,9 +239,8 @@ Result<PagePtr> PageService::evaluate(PageJob& job) {
     metrics_.evaluate_seconds.Observe(to_seconds(evaluated - begun));
 
     auto page = std::make_shared<EncodedPage>();
-    page->id = request.scene->animated
-                   ? page_id(page_id(request), evaluated_within->evaluation.validity.from)
-                   : job.id;
+    page->id = request.scene->animated ? page_id(page_id(request), evaluated_within->evaluation.validity.from)
+                                       : job.id;
     page->key = request.key;
     page->options = request.options;
     page->revision = page_revision(*request.scene, request.key);

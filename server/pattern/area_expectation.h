@@ -29,8 +29,8 @@ class AreaExpectation {
     virtual std::size_t memory_bytes() const noexcept = 0;
 };
 
-/// `means`: of a slice's looks. `uneven`: how much of the shares may lie elsewhere, which widens chance but is
-/// not in the bound itself. Null where the looks cannot be listed (Basis::other, or too many states), and
+/// `means`: of a slice's looks. `uneven`: how much of the shares may lie elsewhere, which widens chance but
+/// is not in the bound itself. Null where the looks cannot be listed (Basis::other, or too many states), and
 /// for typed ones, whose sums are exact. `program` lives as long as the result.
 std::unique_ptr<const AreaExpectation> make_area_expectation(const CellProgram& program,
                                                              const LookMeans& means, std::int32_t slice,

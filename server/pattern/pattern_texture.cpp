@@ -183,7 +183,8 @@ std::size_t pattern_bytes(const Plan& plan) {
         if (const auto* reference = std::get_if<ReferencePlan>(&texture.what))
             bytes = bytes_of(*reference);
         else if (const auto* map = std::get_if<PixelMapPlan>(&texture.what))
-            bytes = map->map->values.size() * 6 + ((is_joint(*map->map) ? std::uint64_t{48} : std::uint64_t{1}) << 20);
+            bytes = map->map->values.size() * 6 +
+                    ((is_joint(*map->map) ? std::uint64_t{48} : std::uint64_t{1}) << 20);
         else if (const auto* layers = std::get_if<LayersPlan>(&texture.what))
             bytes = layers->textures.size() > 1 ? std::uint64_t{64} << 20 : 0;
         if (bytes > std::numeric_limits<std::uint64_t>::max() - total)

@@ -14,8 +14,8 @@ class PatternTexture : public Texture {
     /// Bounds that hold with a confidence count cells with it.
     virtual int cell_level() const noexcept = 0;
 
-    /// As evaluate(), for a composite that evaluates its parts several times for one page: cells are summed only
-    /// where that costs little.
+    /// As evaluate(), for a composite that evaluates its parts several times for one page: cells are summed
+    /// only where that costs little.
     virtual Result<Evaluation> evaluate_part(const TexelRegion& region, const Budget& budget,
                                              LinearImage& out) const {
         return evaluate(region, budget, out);

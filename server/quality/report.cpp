@@ -6,10 +6,10 @@
 
 #include <unistd.h>
 
+#include "server/files/whole_file.h"
 #include "server/quality/pictures.h"
 #include "server/quality/report_json.h"
 #include "server/quality/report_page.h"
-#include "server/files/whole_file.h"
 
 namespace tessera {
 namespace {

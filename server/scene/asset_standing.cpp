@@ -2,9 +2,9 @@
 
 #include "proto/asset.pb.h"
 
+#include "server/files/whole_file.h"
 #include "server/scene/asset_check.h"
 #include "server/scene/asset_file.h"
-#include "server/files/whole_file.h"
 #include "shared/wire/json.h"
 
 namespace tessera {

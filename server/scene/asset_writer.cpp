@@ -4,11 +4,11 @@
 
 #include "proto/asset.pb.h"
 
+#include "server/files/whole_file.h"
 #include "server/scene/asset_file.h"
 #include "server/scene/digest.h"
 #include "server/scene/image_file.h"
 #include "server/scene/shape_sheet.h"
-#include "server/files/whole_file.h"
 #include "shared/wire/json.h"
 
 namespace tessera {

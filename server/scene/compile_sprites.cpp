@@ -7,9 +7,9 @@
 
 #include "proto/sprite.pb.h"
 
-#include "server/sprites/sprite_texture.h"
 #include "server/scene/pattern_files.h"
 #include "server/scene/scene.h"
+#include "server/sprites/sprite_texture.h"
 #include "shared/wire/sprite_message.h"
 
 namespace tessera {

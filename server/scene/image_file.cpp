@@ -10,8 +10,8 @@
 #include <OpenImageIO/imageio.h>
 #include <webp/decode.h>
 
-#include "server/scene/png_file.h"
 #include "server/files/whole_file.h"
+#include "server/scene/png_file.h"
 
 namespace tessera {
 namespace {

@@ -10,12 +10,12 @@
 #include <CLI/CLI.hpp>
 #include <unistd.h>
 
+#include "server/files/whole_file.h"
 #include "server/pages/page_encoder.h"
 #include "server/prepare/photo_options.h"
 #include "server/progress/interrupt.h"
 #include "server/progress/terminal_progress.h"
 #include "server/scene/scene.h"
-#include "server/files/whole_file.h"
 #include "server/scenes/pattern_pictures.h"
 #include "server/scenes/sample_scenes.h"
 #include "server/scenes/scene_folder.h"

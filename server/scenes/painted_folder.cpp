@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <span>
 
-#include "server/scene/digest.h"
 #include "server/files/whole_file.h"
+#include "server/scene/digest.h"
 #include "server/scenes/scene_folder.h"
 #include "shared/wire/json.h"
 

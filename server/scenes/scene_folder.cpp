@@ -6,9 +6,9 @@
 
 #include "proto/scene.pb.h"
 
+#include "server/files/whole_file.h"
 #include "server/scene/asset_file.h"
 #include "server/scene/scene.h"
-#include "server/files/whole_file.h"
 #include "shared/wire/json.h"
 
 namespace tessera {

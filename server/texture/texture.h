@@ -29,7 +29,7 @@ struct Evaluation {
         0;  ///< No texel is further from the exact box filter, in 8-bit codes of linear light.
     double confidence = 1;  ///< 1: the bound is certain; less: it holds with this probability for each texel.
     std::uint64_t work =
-        0;  ///< Stamps, table rows or cells summed: a measure of cost that no clock disturbs.
+        0;                ///< Stamps, table rows or cells summed: a measure of cost that no clock disturbs.
     Validity validity{};  ///< Every step in it gives these bits; at its end a cell shows another frame.
 };
 

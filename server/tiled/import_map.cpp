@@ -2,8 +2,8 @@
 
 #include <span>
 
-#include "server/scene/scene.h"
 #include "server/files/whole_file.h"
+#include "server/scene/scene.h"
 #include "server/scenes/scene_folder.h"
 
 namespace tessera {

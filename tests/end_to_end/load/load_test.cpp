@@ -30,9 +30,7 @@ class Load : public testing::Test {
         ASSERT_EQ(line.substr(0, announcement.size()), announcement);
         url_ = line.substr(announcement.size());
     }
-    void TearDown() override {
-        server_.reset();
-    }
+    void TearDown() override { server_.reset(); }
 
     ChildProcess start(std::vector<std::string> arguments, const std::string& scene = "checker") const {
         arguments.insert(arguments.begin(), {url_, scene, "--quiet", "--json", "-"});

@@ -358,7 +358,8 @@ TEST_P(JournalConformance, RefusesByNameWhatLiesBeyondItsHorizonOfRevisions) {
     EXPECT_EQ(refusal(append_and_wait(*journal, edit(91, "edit", 90))), RefusalReason::outside_horizon)
         << "a late retry";
     EXPECT_EQ(refusal(append_and_wait(*journal, edit(200, "edit", 90))), RefusalReason::outside_horizon);
-    EXPECT_EQ(refusal(append_and_wait(*journal, edit(201))), RefusalReason::outside_horizon) << "knows no revision";
+    EXPECT_EQ(refusal(append_and_wait(*journal, edit(201))), RefusalReason::outside_horizon)
+        << "knows no revision";
     EXPECT_EQ(refusal(append_and_wait(*journal, edit(201, "edit", 102))), RefusalReason::outside_horizon)
         << "knows one that is not there yet";
     EXPECT_EQ(append_and_wait(*journal, edit(202, "edit", 91)), AppendOutcome{Accepted{102}});

@@ -6,11 +6,11 @@
 
 #include <gtest/gtest.h>
 
+#include "server/files/whole_file.h"
 #include "server/progress/progress.h"
 #include "server/scene/asset_file.h"
 #include "server/scene/image_file.h"
 #include "server/scene/scene.h"
-#include "server/files/whole_file.h"
 #include "server/scenes/paint_pebbles.h"
 #include "server/scenes/scene_folder.h"
 #include "tests/support/temporary_folder.h"

@@ -6,8 +6,8 @@
 
 #include "proto/scene.pb.h"
 
-#include "server/scene/scene.h"
 #include "server/files/whole_file.h"
+#include "server/scene/scene.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tessera {

@@ -12,7 +12,8 @@ TEST(ChannelSet, IsFoundByItsOwnNameAndNoOther) {
         EXPECT_EQ(channel_set_named(name_of(set)), set);
         EXPECT_EQ(channel_set_named(std::string{name_of(set)} + "s"), std::nullopt);
     }
-    for (const char* name : {"", "Albedo", "color", "normal "}) EXPECT_EQ(channel_set_named(name), std::nullopt);
+    for (const char* name : {"", "Albedo", "color", "normal "})
+        EXPECT_EQ(channel_set_named(name), std::nullopt);
 }
 
 }  // namespace
