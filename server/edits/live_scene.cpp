@@ -235,7 +235,9 @@ void LiveScene::settle(std::vector<AppendOutcome> outcomes) {
         if (target > head_) return catch_up(std::move(lock), target);
         return finish(std::move(lock));
     }
-    for (const Work& work : committing_) changes_.push_back({++head_, work.applied->dirty});
+    for (Work& work : committing_)
+        changes_.push_back(
+            {++head_, work.applied->dirty, std::make_shared<proto::Edit>(std::move(work.edit))});
     finish(std::move(lock));
 }
 
@@ -274,13 +276,15 @@ void LiveScene::take_history(History history, Revision target) {
 /// journal put before it, changes nothing, here as after every restart.
 void LiveScene::apply(const Edit& edit) {
     proto::Edit message;
-    Change change{edit.revision, {}};
+    Change change{edit.revision, {}, nullptr};
     if (!message.ParseFromString(edit.bytes)) {
         spdlog::error("scene {}: the journal's edit {} cannot be read", id_, edit.revision);
     } else if (auto applied = apply_edit(message, patterns(), book_)) {
         change.dirty = applied->dirty;
         for (Work& work : committing_)
             if (work.append.id == edit.id) work.applied = std::move(*applied);
+        message.set_id(to_string(edit.id));
+        change.edit = std::make_shared<proto::Edit>(std::move(message));
     } else {
         spdlog::warn("scene {}: edit {} changes nothing: {}", id_, edit.revision, applied.error().detail);
     }

@@ -76,6 +76,7 @@ class LiveScene final : public SceneNow {
     struct Change {
         Revision revision = 0;
         std::vector<TexelBox> dirty;
+        std::shared_ptr<const proto::Edit> edit;  ///< With its id; null if it could not be read.
     };
     /// Called after now() has changed and before the edits are answered, on a thread of the journal; must not
     /// block. Until the pointer that is returned is let go.
