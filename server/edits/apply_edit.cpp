@@ -71,6 +71,14 @@ NamedChange make(const proto::Change& change, const SpritePatterns& patterns, Sp
             return {".move_sprite.", move(change.move_sprite(), patterns, book, inverse, dirty)};
         case proto::Change::kRemoveSprite:
             return {".remove_sprite.", remove(change.remove_sprite(), book, inverse, dirty)};
+        case proto::Change::kPaintMap:
+        case proto::Change::kSetParameter:
+        case proto::Change::kChangeAnimation:
+        case proto::Change::kSetTarget:
+        case proto::Change::kRemoveTarget:
+        case proto::Change::kSetClock:
+            return {": ",
+                    Error{ErrorCode::invalid_input, "is a kind of change that this scene does not take"}};
         case proto::Change::CHANGE_NOT_SET:
             break;
     }
