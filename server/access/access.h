@@ -1,5 +1,7 @@
 #pragma once
 
+#include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -23,16 +25,22 @@ class Access {
     Access() = default;
 
     /// A file of tokens: a line each, "role name sha256-of-the-token-in-hex [expiry as YYYY-MM-DD]"; '#'
-    /// begins a comment. Errors: io_failure, invalid_input; the message names file and line.
+    /// begins a comment. Roles are editor and viewer; a token is good through the day of its expiry, in UTC.
+    /// Errors: io_failure, invalid_input, also for a file that others than its owner may write; the message
+    /// names file and line.
     static Result<Access> load(const std::filesystem::path& file);
 
     struct Decision {
         bool allowed = false;
-        std::string name;  ///< Of the token's holder; empty on loopback without a token.
-        std::string why;   ///< Where not allowed: what would help.
+        std::string name;         ///< Of the token's holder; empty on loopback without a token.
+        std::string why;          ///< Where not allowed: what would help.
+        bool other_role = false;  ///< Not allowed, though the token is good: its role does not suffice.
+        bool any_author = false;  ///< May make edits in anybody's name.
     };
+    using Time = std::chrono::sys_seconds;
     /// Takes the same time for every wrong token.
     Decision may_edit(const Caller& caller) const;
+    Decision may_edit(const Caller& caller, Time now) const;
 
     bool has_tokens() const noexcept { return !holders_.empty(); }
 
@@ -43,7 +51,13 @@ class Access {
         bool editor = false;
         std::int64_t expires = 0;  ///< Seconds since 1970; 0: never.
     };
+    static Result<Holder> read_line(std::string_view line);
+
     std::vector<Holder> holders_;
 };
+
+/// Whose name an edit bears that `allowed` lets in and that says `author`: on this machine anybody's, from
+/// elsewhere the holder's alone. Error: invalid_input, where it says another.
+Result<std::string> author_of(const std::string& author, const Access::Decision& allowed);
 
 }  // namespace tessera
