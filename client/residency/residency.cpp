@@ -1,29 +1,41 @@
 #include "client/residency/residency.h"
 
-#include <unordered_map>
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
+#include "client/residency/page_wants.h"
+
 namespace tessera {
+namespace {
+
+constexpr std::size_t most_early = 64;  ///< Pages that wait for their step: 18 MB
+
+}  // namespace
 
 int window_side_for(int width_pixels) { return width_pixels <= 1200 ? 32 : width_pixels <= 2400 ? 64 : 128; }
 
 Residency::Residency(Extent extent, PageSource& source, const ResidencySettings& settings)
     : extent_{extent},
+      source_{source},
       settings_{settings},
       table_{extent, settings.window_side},
       cache_{settings.slots},
       requests_{source, settings.requests} {}
 
-ResidencyFrame Residency::update(const PlaneView& view, ClientTime now, const Sampling& sampling) {
+ResidencyFrame Residency::update(const PlaneView& view, FrameTime time, const Sampling& sampling) {
     const PlanePoint& centre = view.camera().ground;
     table_.move_to(centre.x, centre.y);
     cache_.begin_frame();
+    motion_.observe(view.camera(), time.now);
 
     const std::vector<NeededPage> needed = need(view, sampling);
     mark_used(needed);
+    hear_news();
     ResidencyFrame frame;
-    frame.uploads = place_arrivals(now);
-    requests_.want(wanted(needed), now);
+    frame.uploads = place_arrivals(time);
+    watch(needed);
+    requests_.want(wanted(view, needed, time, sampling), time.now);
 
     frame.lod_bias = lod_bias_;
     frame.needed = needed.size();
@@ -34,6 +46,7 @@ ResidencyFrame Residency::update(const PlaneView& view, ClientTime now, const Sa
         const int missing = (shown ? shown->level : extent_.n + 1) - page.key.level;
         if (missing == 0) {
             sharp += page.pixels;
+            if (versions_.is_stale(page.key, time.step) && !requests_.is_given_up(page.key)) ++frame.stale;
             continue;
         }
         deficit += page.pixels * missing;
@@ -46,12 +59,21 @@ ResidencyFrame Residency::update(const PlaneView& view, ClientTime now, const Sa
     return frame;
 }
 
+/// Pages of the pinned levels.
+std::size_t Residency::pinned_room() const {
+    std::size_t room = 0;
+    for (int level = extent_.n; level >= 0 && level + settings_.pinned_levels > extent_.n; --level) {
+        const std::size_t side = extent_.side_pages(static_cast<std::uint8_t>(level));
+        room += side * side;
+    }
+    return room;
+}
+
 /// Where the cache is too small for the view, coarser levels are asked for, instead of pages chasing each
 /// other out of it for ever.
 std::vector<NeededPage> Residency::need(const PlaneView& view, const Sampling& sampling) {
     constexpr double step = 0.25;
-    constexpr std::size_t pinned_room = 21;  // 1 + 4 + 16 pages of three levels
-    const std::size_t room = cache_.capacity() - pinned_room;
+    const std::size_t room = cache_.capacity() - std::min(cache_.capacity() - 1, pinned_room());
     std::vector<NeededPage> needed;
     const auto fits = [&](double bias, double share) {
         needed = needed_pages(view, extent_, bias, sampling);
@@ -67,54 +89,168 @@ std::vector<NeededPage> Residency::need(const PlaneView& view, const Sampling& s
     return needed;
 }
 
+/// Needed pages stay in this frame. What covers for a missing one goes last of all others.
 void Residency::mark_used(const std::vector<NeededPage>& needed) {
-    for (const NeededPage& page : needed)
-        if (const auto shown = table_.shown_for(page.key)) cache_.use(shown->slot);
+    for (const NeededPage& page : needed) {
+        const auto shown = table_.shown_for(page.key);
+        if (!shown) continue;
+        if (shown->level == page.key.level)
+            cache_.use(shown->slot);
+        else
+            cache_.touch(shown->slot);
+    }
 }
 
-std::vector<SlotUpload> Residency::place_arrivals(ClientTime now) {
-    std::vector<SlotUpload> uploads;
-    for (ArrivedPage& arrived : requests_.take_arrived(settings_.uploads_per_frame, now)) {
-        if (cache_.find(arrived.page)) continue;
-        const auto placement = cache_.insert(arrived.page, is_pinned(arrived.page));
-        if (!placement) continue;  // all in use now: it will be asked for again
-        if (placement->evicted) table_.hide(*placement->evicted);
-        cache_.use(placement->slot);
-        table_.show(arrived.page,
-                    {placement->slot, arrived.page.level, static_cast<std::uint32_t>(now.count())});
-        uploads.push_back({placement->slot, arrived.page, std::move(arrived.texels.value())});
+void Residency::hear_news() {
+    const std::uint32_t before = versions_.history();
+    versions_.learn(source_.take_news(), [&](PageKey page) { return requests_.is_under_way(page); });
+    if (versions_.history() != before) requests_.forgive();
+}
+
+std::vector<SlotUpload> Residency::place_arrivals(const FrameTime& time) {
+    std::vector<ArrivedPage> arrived;
+    std::vector<ArrivedPage> waiting;
+    for (ArrivedPage& early : early_) {
+        if (!versions_.held(early.page)) continue;
+        const bool is_due =
+            early.version.validity.from <= time.step && arrived.size() < settings_.uploads_per_frame;
+        (is_due ? arrived : waiting).push_back(std::move(early));
     }
+    early_ = std::move(waiting);
+    std::vector<PageKey> without;
+    for (ArrivedPage& page :
+         requests_.take_arrived(settings_.uploads_per_frame - arrived.size(), time.now, &without))
+        arrived.push_back(std::move(page));
+    for (const PageKey page : without) versions_.forget_expected(page);
+    std::vector<SlotUpload> uploads;
+    for (ArrivedPage& page : arrived)
+        if (auto upload = place(std::move(page), time)) uploads.push_back(std::move(*upload));
     return uploads;
 }
 
-/// A missing page gains its pixels × the levels that are missing there. Where many levels are missing, every
-/// second level on the way is wanted too: few coarse pages serve many pixels, so they come first by their
-/// gain.
-std::vector<WantedPage> Residency::wanted(const std::vector<NeededPage>& needed) const {
-    std::unordered_map<PageKey, double> gains;
-    for (const NeededPage& page : needed) {
-        const auto shown = table_.shown_for(page.key);
-        const int shown_level = shown ? shown->level : extent_.n + 1;
-        if (shown_level == page.key.level) continue;
-        gains[page.key] += page.pixels * (shown_level - page.key.level);
-        for (PageKey step = page.key; step.level + 2 < shown_level && step.level < extent_.n;) {
-            step = parent(step);
-            if (step.level % 2 == 0 && step.level >= page.key.level + 2)
-                gains[step] += page.pixels * (shown_level - step.level);
-        }
+std::optional<SlotUpload> Residency::place(ArrivedPage arrived, const FrameTime& time) {
+    const PageKey page = arrived.page;
+    if (!extent_.contains(page)) return std::nullopt;
+    if (arrived.unchanged) {
+        versions_.confirm(page, arrived.version);
+        versions_.forget_expected(page);
+        return std::nullopt;
     }
-    // The pinned levels cover everything: first of all, the coarsest first
-    constexpr double first_of_all = 1e12;
+    switch (versions_.offer(page, arrived.version, time.step)) {
+        case PageVersions::Verdict::show:
+            break;
+        case PageVersions::Verdict::early:
+            std::erase_if(early_, [&](const ArrivedPage& other) { return other.page == page; });
+            if (early_.size() < most_early) early_.push_back(std::move(arrived));
+            return std::nullopt;
+        case PageVersions::Verdict::drop:
+            versions_.forget_expected(page);
+            return std::nullopt;
+    }
+    // A newer version takes the place of the older one, in one upload: no frame shows half of it, or neither
+    if (const auto slot = cache_.find(page))
+        return SlotUpload{*slot, page, std::move(arrived.texels.value())};
+    const auto placement = cache_.insert(page, is_pinned(page));
+    if (!placement) {  // all in use now: it will be asked for again
+        versions_.forget(page);
+        return std::nullopt;
+    }
+    if (placement->evicted) {
+        table_.hide(*placement->evicted);
+        versions_.forget(*placement->evicted);
+    }
+    cache_.use(placement->slot);
+    table_.show(page, {placement->slot, page.level, static_cast<std::uint32_t>(time.now.count())});
+    return SlotUpload{placement->slot, page, std::move(arrived.texels.value())};
+}
+
+std::vector<WantedPage> Residency::wanted(const PlaneView& view, const std::vector<NeededPage>& needed,
+                                          const FrameTime& time, const Sampling& sampling) {
+    PageWants wants{table_, versions_, time.step};
+    const CreditWindow& window = requests_.window();
+    const ClientTime ahead = window.round_trip() + window.frame_time();
+    wants.add(needed, 1, true);
+    if (const auto camera = settings_.prefetch ? motion_.in(ahead, extent_) : std::nullopt) {
+        constexpr double weight = 0.5;  // of what may come, against what is
+        std::vector<NeededPage> soon =
+            needed_pages(PlaneView{*camera, view.width(), view.height()}, extent_, lod_bias_, sampling);
+        std::erase_if(soon, [&](const NeededPage& page) { return !table_.in_window(page.key); });
+        wants.add(soon, weight, false);
+    }
     for (int level = extent_.n; level >= 0 && is_pinned({static_cast<std::uint8_t>(level), 0, 0}); --level) {
         const auto l = static_cast<std::uint8_t>(level);
         for (std::uint32_t y = 0; y < extent_.side_pages(l); ++y)
             for (std::uint32_t x = 0; x < extent_.side_pages(l); ++x)
-                if (!cache_.find({l, x, y})) gains[{l, x, y}] = first_of_all * (level + 1);
+                if (!cache_.find({l, x, y})) wants.add_cover({l, x, y});
     }
-    std::vector<WantedPage> wanted;
-    wanted.reserve(gains.size());
-    for (const auto& [page, gain] : gains) wanted.push_back({page, gain});
-    return wanted;
+    if (time.steps_per_second > 0) {
+        // The next interval's texels are under way when this one ends, and are there a frame before
+        const double lead =
+            std::ceil(static_cast<double>((2 * ahead).count()) * time.steps_per_second / 1000) + 1;
+        const Step horizon = add_steps(time.step, static_cast<std::int64_t>(std::min(lead, 1e9)));
+        for (const NeededPage& page : needed) {
+            const PageVersion* held = versions_.held(page.key);
+            if (!held || held->validity.until == never || held->validity.until > horizon ||
+                versions_.is_stale(page.key, time.step))
+                continue;
+            const auto waits = [&](const ArrivedPage& early) {
+                return early.page == page.key && early.version.validity.holds(held->validity.until);
+            };
+            if (std::ranges::none_of(early_, waits))
+                wants.add_next(page.key, page.pixels, held->validity.until);
+        }
+    }
+    return wants.take();
+}
+
+/// News are wanted of what the table's windows reach, and some pages around, so that not each step of the
+/// camera changes what is watched.
+void Residency::watch(const std::vector<NeededPage>& needed) {
+    int finest = extent_.n;
+    for (const NeededPage& page : needed) finest = std::min<int>(finest, page.key.level);
+    if (watched_.empty() || finest < watched_finest_ || finest > watched_finest_ + 3)
+        watched_finest_ = std::max(0, finest - 1);
+    const std::int64_t side = table_.window_side(), margin = side / 4;
+    std::vector<PageWindow> windows;
+    for (int l = watched_finest_; l <= extent_.n; ++l) {
+        const auto level = static_cast<std::uint8_t>(l);
+        const PageKey centre = table_.centre_page(level);
+        const std::int64_t pages = extent_.side_pages(level);
+        const auto low = [&](std::uint32_t at) {
+            const std::int64_t first = std::int64_t{at} - side / 2;
+            return static_cast<std::uint32_t>(
+                std::max<std::int64_t>(0, first - (first % margin + margin) % margin));
+        };
+        const auto high = [&](std::uint32_t at) {
+            const std::int64_t end = std::int64_t{at} + side / 2;
+            return static_cast<std::uint32_t>(std::min(pages, end + (margin - end % margin) % margin));
+        };
+        windows.push_back({level, low(centre.x), low(centre.y), high(centre.x), high(centre.y)});
+    }
+    if (windows == watched_) return;
+    const auto is_in = [](const std::vector<PageWindow>& all, PageKey page) {
+        return std::ranges::any_of(all, [&](const PageWindow& window) { return window.contains(page); });
+    };
+    versions_.mark_told([&](PageKey page) { return is_in(watched_, page); });
+    const std::uint64_t seen =
+        versions_.least_seen([&](PageKey page) { return is_in(windows, page) && !is_in(watched_, page); });
+    watched_ = std::move(windows);
+    source_.watch(watched_, seen);
+}
+
+SlotCache::Resized Residency::resize(std::size_t slots) {
+    SlotCache::Resized resized = cache_.resize(std::max(slots, 2 * pinned_room()));
+    for (const PageKey page : resized.dropped) {
+        table_.hide(page);
+        versions_.forget(page);
+    }
+    for (const SlotCache::Move& move : resized.moves) {
+        auto where = table_.shown_for(move.page).value();
+        where.slot = move.to;
+        table_.show(move.page, where);
+    }
+    settings_.slots = cache_.capacity();
+    return resized;
 }
 
 }  // namespace tessera

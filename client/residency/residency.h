@@ -6,9 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "client/residency/camera_motion.h"
 #include "client/residency/needed_pages.h"
 #include "client/residency/page_requests.h"
 #include "client/residency/page_table.h"
+#include "client/residency/page_versions.h"
 #include "client/residency/slot_cache.h"
 
 namespace tessera {
@@ -24,11 +26,22 @@ struct ResidencySettings {
     int pinned_levels = 3;
     /// New pages a frame: too many make the frame late, too few make the picture late.
     std::size_t uploads_per_frame = 8;
+    /// Pages are asked for before they are seen, where the camera is going; false: only once they are.
+    bool prefetch = true;
     RequestLimits requests{};
 };
 
 /// Enough entries a side for a picture so many pixels wide.
 int window_side_for(int width_pixels);
+
+/// When a frame is shown: on the client's clock, and on the scene's.
+struct FrameTime {
+    FrameTime(ClientTime client_now, Step scene_step = 0, double scene_steps_per_second = 0)
+        : now{client_now}, step{scene_step}, steps_per_second{scene_steps_per_second} {}
+    ClientTime now;
+    Step step;
+    double steps_per_second;  ///< 0 while the animation rests.
+};
 
 /// Texels to put into a slot, before the next picture is drawn.
 struct SlotUpload {
@@ -43,9 +56,11 @@ struct ResidencyFrame {
     double lod_bias = 0;        ///< To add to every pixel's level, in the shader too.
     std::size_t needed = 0;     ///< Pages the view samples.
     std::size_t missing = 0;    ///< Of these, not resident and not given up.
+    std::size_t stale = 0;      ///< Of these, resident, with a newer version to be had.
     double resident_share = 1;  ///< Of the pixels that see the plane, those that are sharp: 0 to 1.
     double mip_deficit = 0;     ///< Levels missing, averaged over the pixels that see the plane.
     bool is_sharp() const { return missing == 0; }
+    bool is_current() const { return missing == 0 && stale == 0; }
 };
 
 /// Runs the stages in order, once a frame: what is needed, what has come, what is shown, what to ask for.
@@ -55,27 +70,43 @@ class Residency {
     Residency(Extent extent, PageSource& source, const ResidencySettings& settings);
 
     /// For the pages that `sampling` reads. The clip centre of `view` lies inside the extent.
-    ResidencyFrame update(const PlaneView& view, ClientTime now, const Sampling& sampling = {});
+    ResidencyFrame update(const PlaneView& view, FrameTime time, const Sampling& sampling = {});
+
+    /// From now on the cache has so many slots (at least the pinned pages' and as many again). Pages that
+    /// stay keep their slots but for `moves`, which the caller carries over before the next picture.
+    SlotCache::Resized resize(std::size_t slots);
 
     PageTable& table() { return table_; }
     const PageTable& table() const { return table_; }
     const SlotCache& cache() const { return cache_; }
     const PageRequests& requests() const { return requests_; }
+    const PageVersions& versions() const { return versions_; }
     const ResidencySettings& settings() const { return settings_; }
     Extent extent() const { return extent_; }
 
   private:
+    std::size_t pinned_room() const;
     std::vector<NeededPage> need(const PlaneView& view, const Sampling& sampling);
     bool is_pinned(PageKey page) const { return page.level + settings_.pinned_levels > extent_.n; }
     void mark_used(const std::vector<NeededPage>& needed);
-    std::vector<SlotUpload> place_arrivals(ClientTime now);
-    std::vector<WantedPage> wanted(const std::vector<NeededPage>& needed) const;
+    void hear_news();
+    std::vector<SlotUpload> place_arrivals(const FrameTime& time);
+    std::optional<SlotUpload> place(ArrivedPage arrived, const FrameTime& time);
+    std::vector<WantedPage> wanted(const PlaneView& view, const std::vector<NeededPage>& needed,
+                                   const FrameTime& time, const Sampling& sampling);
+    void watch(const std::vector<NeededPage>& needed);
 
     Extent extent_;
+    PageSource& source_;
     ResidencySettings settings_;
     PageTable table_;
     SlotCache cache_;
     PageRequests requests_;
+    PageVersions versions_;
+    CameraMotion motion_;
+    std::vector<ArrivedPage> early_;  ///< Whose steps are yet to come
+    std::vector<PageWindow> watched_;
+    int watched_finest_ = 0;  ///< Level
     double lod_bias_ = 0;
 };
 

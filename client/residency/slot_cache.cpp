@@ -1,8 +1,11 @@
 #include "client/residency/slot_cache.h"
 
+#include <algorithm>
+#include <tuple>
+
 namespace tessera {
 
-SlotCache::SlotCache(std::size_t slots) : slots_(slots) { order_.reserve(slots); }
+SlotCache::SlotCache(std::size_t slots) { resize(slots); }
 
 std::optional<Slot> SlotCache::find(PageKey page) const {
     const auto found = slot_of_.find(page);
@@ -31,8 +34,9 @@ std::optional<Slot> SlotCache::victim() {
 
 std::optional<SlotCache::Placement> SlotCache::insert(PageKey page, bool pinned) {
     Placement placement;
-    if (filled_ < slots_.size()) {
-        placement.slot = static_cast<Slot>(filled_++);
+    if (!free_.empty()) {
+        placement.slot = free_.back();
+        free_.pop_back();
         if (!pinned) order_.push_back(placement.slot);
     } else {
         const auto slot = victim();
@@ -50,6 +54,49 @@ std::optional<SlotCache::Placement> SlotCache::insert(PageKey page, bool pinned)
     slot_of_[page] = placement.slot;
     pinned_ += pinned ? 1 : 0;
     return placement;
+}
+
+SlotCache::Resized SlotCache::resize(std::size_t slots) {
+    slots = std::max({slots, pinned_, std::size_t{1}});
+    // Pinned pages stay, then the latest used
+    std::vector<Slot> filled;
+    for (const auto& [page, slot] : slot_of_) filled.push_back(slot);
+    std::ranges::sort(filled, [&](Slot a, Slot b) {
+        return std::tie(slots_[b].pinned, slots_[b].used_in_frame, a) <
+               std::tie(slots_[a].pinned, slots_[a].used_in_frame, b);
+    });
+    Resized resized;
+    for (; filled.size() > slots; filled.pop_back()) {
+        resized.dropped.push_back(slots_[filled.back()].page);
+        slot_of_.erase(resized.dropped.back());
+        ++evictions_;
+    }
+    // What stays and lies beyond the end moves down into free slots
+    const std::vector<Entry> before = slots_;
+    slots_.resize(slots);
+    std::vector<bool> taken(slots, false);
+    for (const Slot slot : filled)
+        if (slot < slots) taken[slot] = true;
+    std::size_t next_free = 0;
+    order_.clear();
+    hand_ = 0;
+    for (const Slot slot : filled) {
+        Slot to = slot;
+        if (slot >= slots) {
+            while (taken[next_free]) ++next_free;
+            to = static_cast<Slot>(next_free);
+            taken[to] = true;
+            slots_[to] = before[slot];
+            slot_of_[before[slot].page] = to;
+            resized.moves.push_back({before[slot].page, slot, to});
+        }
+        if (!before[slot].pinned) order_.push_back(to);
+    }
+    std::ranges::reverse(order_);  // the longest unused is looked at first
+    free_.clear();
+    for (std::size_t slot = slots; slot-- > 0;)
+        if (!taken[slot]) free_.push_back(static_cast<Slot>(slot));
+    return resized;
 }
 
 }  // namespace tessera

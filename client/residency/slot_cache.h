@@ -25,6 +25,8 @@ class SlotCache {
     std::optional<Slot> find(PageKey page) const;
     /// The slot's page is shown in the present frame.
     void use(Slot slot);
+    /// The slot's page is of use, but may leave if nothing else can.
+    void touch(Slot slot) { slots_[slot].used = true; }
 
     struct Placement {
         Slot slot = 0;
@@ -33,10 +35,24 @@ class SlotCache {
     /// Finds a slot for a page that has none. Nothing if every slot is pinned or used in the present frame.
     std::optional<Placement> insert(PageKey page, bool pinned);
 
+    struct Move {
+        PageKey page;
+        Slot from = 0;
+        Slot to = 0;
+    };
+    struct Resized {
+        std::vector<Move> moves;       ///< All at once: no slot is both left and taken.
+        std::vector<PageKey> dropped;  ///< The longest unused; no pinned ones.
+    };
+    /// From now on so many slots; at least as many as there are pinned pages, and one.
+    Resized resize(std::size_t slots);
+
     std::size_t capacity() const { return slots_.size(); }
     std::size_t size() const { return slot_of_.size(); }
     std::size_t pinned() const { return pinned_; }
     std::uint64_t evictions() const { return evictions_; }
+    /// In no order.
+    const std::unordered_map<PageKey, Slot>& pages() const { return slot_of_; }
 
   private:
     struct Entry {
@@ -48,10 +64,10 @@ class SlotCache {
     std::optional<Slot> victim();
 
     std::vector<Entry> slots_;
+    std::vector<Slot> free_;   ///< The lowest last
     std::vector<Slot> order_;  ///< A ring of the filled, unpinned slots
     std::size_t hand_ = 0;     ///< Of order_: looked at next
     std::unordered_map<PageKey, Slot> slot_of_;
-    std::size_t filled_ = 0;
     std::size_t pinned_ = 0;
     std::uint64_t frame_ = 1;
     std::uint64_t evictions_ = 0;

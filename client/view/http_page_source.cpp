@@ -19,25 +19,34 @@ HttpPageSource::HttpPageSource(const ServerAddress& server, const SceneInfo& sce
     : client_{server, scene, client_settings(connections)},
       options_{.format = PageFormat::rgba, .gutter = gutter_texels, .channels = channels} {}
 
-bool HttpPageSource::request(PageKey page) {
-    const auto id = client_.request(page, options_);
+bool HttpPageSource::request(const PageRequest& request) {
+    const auto id = client_.request(request.page, options_);
     if (!id) return false;
-    ids_[page] = *id;
+    http_ids_[request.id] = *id;
+    ids_[*id] = request.id;
     return true;
 }
 
-void HttpPageSource::cancel(PageKey page) {
-    if (const auto found = ids_.find(page); found != ids_.end()) client_.cancel(found->second);
+void HttpPageSource::cancel(PageRequestId id) {
+    if (const auto found = http_ids_.find(id); found != http_ids_.end()) client_.cancel(found->second);
 }
 
 std::vector<ArrivedPage> HttpPageSource::take_arrived(std::size_t most) {
     std::vector<ArrivedPage> arrived;
     for (FinishedPage& finished : client_.take_finished(most)) {
-        ids_.erase(finished.page);
-        if (finished.result)
-            arrived.push_back({finished.page, std::move(finished.result->bytes)});
-        else
-            arrived.push_back({finished.page, finished.result.error()});
+        const auto found = ids_.find(finished.id);
+        if (found == ids_.end()) continue;
+        ArrivedPage page{.id = found->second, .page = finished.page, .texels = std::string{}};
+        http_ids_.erase(found->second);
+        ids_.erase(found);
+        if (finished.result) {
+            page.wire_bytes = finished.result->bytes.size();
+            page.version.tag = std::move(finished.result->etag);
+            page.texels = std::move(finished.result->bytes);
+        } else {
+            page.texels = finished.result.error();
+        }
+        arrived.push_back(std::move(page));
     }
     return arrived;
 }

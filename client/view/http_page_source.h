@@ -15,8 +15,8 @@ class HttpPageSource : public PageSource {
     HttpPageSource(const ServerAddress& server, const SceneInfo& scene, ChannelSet channels,
                    std::size_t connections);
 
-    bool request(PageKey page) override;
-    void cancel(PageKey page) override;
+    bool request(const PageRequest& request) override;
+    void cancel(PageRequestId id) override;
     std::vector<ArrivedPage> take_arrived(std::size_t most) override;
 
     /// Waits for an arrival, at most so long.
@@ -26,7 +26,8 @@ class HttpPageSource : public PageSource {
   private:
     BackgroundPageClient client_;
     FetchOptions options_;
-    std::unordered_map<PageKey, RequestId> ids_;
+    std::unordered_map<PageRequestId, RequestId> http_ids_;
+    std::unordered_map<RequestId, PageRequestId> ids_;
 };
 
 /// Whether the server gives what this client needs. Error: invalid_input.

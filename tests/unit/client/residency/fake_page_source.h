@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <functional>
+#include <map>
+#include <optional>
 #include <random>
 #include <set>
 #include <string>
@@ -18,28 +21,31 @@ class FakePageSource : public PageSource {
 
     explicit FakePageSource(Paint paint, unsigned seed = 1) : paint_{std::move(paint)}, random_{seed} {}
 
-    bool request(PageKey page) override {
+    bool request(const PageRequest& request) override {
         if (under_way_.size() >= capacity) return false;
-        asked.push_back(page);
+        asked.push_back(request.page);
         most_under_way = std::max(most_under_way, under_way_.size() + 1);
-        duplicate_requests += under_way_.insert(page).second ? 0 : 1;
+        duplicate_requests += under_way_.emplace(request.page, request.id).second ? 0 : 1;
         return true;
     }
-    void cancel(PageKey page) override { cancelled_.insert(page); }
+    void cancel(PageRequestId id) override {
+        for (const auto& [page, other] : under_way_)
+            if (other == id) cancelled_.insert(page);
+    }
 
     std::vector<ArrivedPage> take_arrived(std::size_t most) override {
-        std::vector<PageKey> ready(under_way_.begin(), under_way_.end());
+        std::vector<std::pair<PageKey, PageRequestId>> ready(under_way_.begin(), under_way_.end());
         std::shuffle(ready.begin(), ready.end(), random_);
         ready.resize(std::min({ready.size(), most, deliver_at_once}));
         std::vector<ArrivedPage> arrived;
-        for (const PageKey page : ready) {
+        for (const auto& [page, id] : ready) {
             under_way_.erase(page);
             if (cancelled_.erase(page) > 0) {
-                arrived.push_back({page, Error{ErrorCode::cancelled, "cancelled"}});
+                arrived.push_back({id, page, Error{ErrorCode::cancelled, "cancelled"}});
             } else if (failing) {
-                arrived.push_back({page, *failing});
+                arrived.push_back({id, page, *failing});
             } else {
-                arrived.push_back({page, paint_(page)});
+                arrived.push_back({id, page, paint_(page)});
             }
         }
         return arrived;
@@ -58,7 +64,7 @@ class FakePageSource : public PageSource {
   private:
     Paint paint_;
     std::mt19937 random_;
-    std::set<PageKey> under_way_;
+    std::map<PageKey, PageRequestId> under_way_;
     std::set<PageKey> cancelled_;
 };
 
