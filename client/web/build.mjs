@@ -1,16 +1,19 @@
-// Bundles the page: node build.mjs NODE_MODULES OUT. OUT then holds all that the server serves at `/`.
+// Bundles the page: node build.mjs NODE_MODULES OUT STREAM_DESCRIPTION. OUT then holds all that the server serves at `/`.
+// STREAM_DESCRIPTION is what protoc --include_imports --descriptor_set_out makes of proto/stream.proto.
 import {copyFile, mkdir, readFile, readdir, writeFile} from 'node:fs/promises';
 import {createRequire} from 'node:module';
 import path from 'node:path';
 import {fileURLToPath} from 'node:url';
 
 const here = path.dirname(fileURLToPath(import.meta.url));
-const [modules, out] = process.argv.slice(2).map((folder) => path.resolve(folder));
+const [modules, out, stream_description] = process.argv.slice(2).map((folder) => path.resolve(folder));
 const {build} = createRequire(path.join(modules, 'index.js'))('esbuild');
 
 const {metafile} = await build({
   entryPoints: {app: path.join(here, 'src/main.js')},
   nodePaths: [modules],
+  alias: {'stream-description': stream_description},
+  loader: {[path.extname(stream_description)]: 'binary'},
   bundle: true,
   minify: true,
   format: 'esm',
@@ -32,11 +35,18 @@ async function licences(inputs) {
   const names = inputs.map((file) => file.match(/node_modules\/((?:@[^/]+\/)?[^/]+)/)?.[1]);
   const texts = [];
   for (const name of [...new Set(names)].filter(Boolean).sort()) {
-    const folder = path.join(modules, name);
-    const {version, license} = JSON.parse(await readFile(path.join(folder, 'package.json'), 'utf8'));
-    const file = (await readdir(folder)).find((entry) => /^licen[cs]e/i.test(entry));
-    if (!file) throw new Error(`${name} is bundled, but its folder holds no licence`);
-    texts.push(`${name} ${version} (${license})\n\n${await readFile(path.join(folder, file), 'utf8')}`);
+    const {version, license} = JSON.parse(await readFile(path.join(modules, name, 'package.json'), 'utf8'));
+    texts.push(`${name} ${version} (${license})\n\n${await readFile(await licence_file(name), 'utf8')}`);
   }
   return `This page is built with the following packages.\n\n${texts.join(`\n\n${'-'.repeat(80)}\n\n`)}`;
+}
+
+/** In the package's own folder; of one that comes without, in licences/. @param {string} name */
+async function licence_file(name) {
+  const folder = path.join(modules, name);
+  const file = (await readdir(folder)).find((entry) => /^licen[cs]e/i.test(entry));
+  if (file) return path.join(folder, file);
+  const ours = `${name.replace('/', '_')}.txt`;
+  if ((await readdir(path.join(here, 'licences'))).includes(ours)) return path.join(here, 'licences', ours);
+  throw new Error(`${name} is bundled, but its folder holds no licence, and neither does licences/`);
 }

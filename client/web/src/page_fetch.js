@@ -32,6 +32,7 @@ function stated_by(headers) {
     bound: headers.get('tessera-bound') ?? '',
     valid_from: step_of(headers.get('tessera-valid-from')),
     valid_until: step_of(headers.get('tessera-valid-until')),
+    revision: headers.has('tessera-revision') ? Number(headers.get('tessera-revision')) : undefined,
     ...server_timing(headers.get('server-timing') ?? ''),
   };
 }

@@ -5,7 +5,7 @@ import {key_text} from './texture.js';
  * @typedef {{
  *   state: 'loading' | 'ready' | 'cached' | 'failed',
  *   from_cache?: boolean, bytes?: number, milliseconds?: number, server_milliseconds?: number, server_cached?: boolean,
- *   method?: string, bound?: string, valid_from?: number, valid_until?: number, problem?: string, url?: string
+ *   method?: string, bound?: string, valid_from?: number, valid_until?: number, revision?: number, problem?: string, url?: string
  * }} PageRecord
  */
 

@@ -4,6 +4,9 @@ import {with_separators} from './numbers.js';
 /** Faster than this no page is asked for; quicker scenes leave steps out. */
 const most_changes_per_second = 20;
 
+/** After this a step is shown with what is there, in milliseconds. */
+const longest_wait = 1500;
+
 /**
  * The step that a texture shows at a time, so that all who look at it see the same.
  * @param {{steps_per_second: number, loop_steps: number}} clock @param {number} milliseconds Since 1970.
@@ -19,9 +22,11 @@ export const step_chosen = (asked, animated) =>
 
 /** Plays a texture that moves: a button, and the step; not there at all for one that does not. */
 export class Player {
+  #store;
   #change;
-  #busy;
   #timer = 0;
+  /** @type {{step: number, since: number} | null} The step that is to be shown as soon as all of it is here. */
+  #due = null;
   /** @type {{animated: boolean, steps_per_second: number, loop_steps: number}} */
   #clock = {animated: false, steps_per_second: 10, loop_steps: 0};
   /** @type {number | null} Null while it plays. */
@@ -32,12 +37,12 @@ export class Player {
   element = element('fieldset', {class: 'panel player', 'aria-label': 'Animation'}, this.#button, this.#text);
 
   /**
+   * @param {import('./page_store.js').PageStore} store What shows the steps.
    * @param {(step: number) => void} change Told each step that is to be shown.
-   * @param {() => boolean} busy Whether pages of the step before are still on their way: the next one waits.
    */
-  constructor(change, busy) {
+  constructor(store, change) {
+    this.#store = store;
     this.#change = change;
-    this.#busy = busy;
   }
 
   /** @param {{animated: boolean, steps_per_second: number, loop_steps: number}} clock @param {number | null} paused_at */
@@ -63,6 +68,7 @@ export class Player {
   /** @param {number | null} paused_at */
   #set(paused_at) {
     clearTimeout(this.#timer);
+    this.#due = null;
     this.paused_at = paused_at;
     const plays = paused_at === null;
     this.#button.replaceChildren(icon(plays ? 'pause' : 'play'));
@@ -73,10 +79,21 @@ export class Player {
     else this.#show(paused_at);
   }
 
+  /** A step is shown when all of its pages are here, so that a frame never mixes two; meanwhile later ones are left out. */
   #tick() {
     const now = Date.now();
-    if (!this.#busy() && !document.hidden) this.#show(step_at(this.#clock, now));
     const wait = 1000 / Math.min(this.#clock.steps_per_second, most_changes_per_second);
+    if (!document.hidden) {
+      this.#due ??= {step: step_at(this.#clock, now), since: now};
+      if (this.#store.ready_for(this.#due.step) || now - this.#due.since > longest_wait) {
+        this.#show(this.#due.step);
+        this.#due = null;
+      }
+      // What comes within the time that pages take is asked for now
+      const ahead = Math.ceil((1.5 * this.#store.latency) / wait);
+      const coming = Array.from({length: Math.min(3, ahead)}, (_, i) => step_at(this.#clock, now + (i + 1) * wait));
+      this.#store.prepare(this.#due ? [this.#due.step] : coming);
+    }
     this.#timer = setTimeout(() => this.#tick(), wait - (now % wait));
   }
 

@@ -8,6 +8,8 @@ export const page_side = 256;
  * @typedef {{level: number, x: number, y: number}} PageKey
  */
 
+/** What pages are asked for with. @typedef {{format: string, accuracy: string, channels?: string, slice?: number, step?: number}} PageOptions */
+
 /** "level · x, y": unlike the z/x/y of addresses, where z counts from the coarsest level. @param {PageKey} page */
 export const key_text = ({level, x, y}) => `${level} · ${x}, ${y}`;
 
@@ -50,17 +52,31 @@ export class Texture {
     this.animated = info.animated ?? false;
     this.steps_per_second = info.steps_per_second || 10;
     this.loop_steps = Number(info.loop_steps ?? 0);
-    /** Template of a page's path, with {z}, {x}, {y} and no extension; changes when the texture does. */
-    this.page_template = info.page_url || path_of(tilejson.tiles?.[0] ?? `/scenes/${info.id}/{z}/{x}/{y}.png`);
+    /** Accepted edits, when this was told. */
+    this.revision = Number(info.revision ?? 0);
+    /** Templates of a page's path, with {z}, {x}, {y} and no extension: as it is now, and at a revision, for ever the same. */
+    this.template_now = path_of(tilejson.tiles?.[0] ?? `/scenes/${info.id}/{z}/{x}/{y}.png`);
+    this.template_at = info.page_url || this.template_now;
+    /** Another one when scene file or assets are. */
+    this.fingerprint = info.fingerprint || this.template_at.replace(/\/r\d+-/, '/');
   }
 
   /**
-   * @param {PageKey} page
-   * @param {{format: string, accuracy: string, channels?: string, slice?: number, step?: number}} options
-   * @returns {string} The page's path; the server's own defaults stay unsaid.
+   * The path of a page that no edit touches any more: `revision` is its own.
+   * @param {PageKey} page @param {PageOptions} options @param {number} [revision] @returns {string}
    */
-  page_url({level, x, y}, {format, accuracy, channels = usual_channels, slice = 0, step = 0}) {
-    const path = this.page_template
+  page_url(page, options, revision = this.revision) {
+    return this.#url(this.template_at.replace(/\/r\d+-/, `/r${revision}-`), page, options);
+  }
+
+  /** The path of a page as it is when the server answers. @param {PageKey} page @param {PageOptions} options @returns {string} */
+  page_url_now(page, options) {
+    return this.#url(this.template_now, page, options);
+  }
+
+  /** The server's own defaults stay unsaid. @param {string} template @param {PageKey} page @param {PageOptions} options */
+  #url(template, {level, x, y}, {format, accuracy, channels = usual_channels, slice = 0, step = 0}) {
+    const path = template
       .replace('{z}', String(this.z_of(level)))
       .replace('{x}', String(x))
       .replace('{y}', String(y));

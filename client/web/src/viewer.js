@@ -1,7 +1,6 @@
 import OlMap from 'ol/Map.js';
 import View from 'ol/View.js';
 import {defaults as default_interactions} from 'ol/interaction/defaults.js';
-import TileLayer from 'ol/layer/Tile.js';
 
 import {format_address} from './address.js';
 import {channel_name, channels_chosen, ChannelSelector, usual_channels} from './channels.js';
@@ -12,8 +11,9 @@ import {level_range, LevelRail} from './level_rail.js';
 import {with_separators} from './numbers.js';
 import {choices, chosen, options_menu} from './options_menu.js';
 import {PageGridLayer} from './page_grid_layer.js';
+import {level_for, PageLayer, texel_projection} from './page_layer.js';
 import {PageLedger} from './page_ledger.js';
-import {PageSource} from './page_source.js';
+import {PageStore} from './page_store.js';
 import {Player, step_chosen} from './player.js';
 import {ReadOut, ScaleBar} from './read_out.js';
 import {connection} from './server.js';
@@ -26,7 +26,8 @@ const calm = matchMedia('(prefers-reduced-motion: reduce)');
 export class Viewer {
   #closed = new AbortController();
   #ledger = new PageLedger();
-  #source;
+  #store;
+  #pages;
   #grid;
   /** @type {OlMap} */
   #map;
@@ -53,8 +54,10 @@ export class Viewer {
     this.channels = channels_chosen(address.options.channels, texture.channels);
     this.slice = slice_chosen(address.options.slice, texture.slices);
     this.step = step_chosen(address.options.step, texture.animated) ?? 0;
-    this.#source = new PageSource(texture, this.#ledger, this.#request(), page.stale);
-    this.#grid = new PageGridLayer(texture, this.#ledger, (resolution) => this.#level_shown(resolution), () => this.#free_box().top);
+    this.#store = new PageStore(texture, this.#ledger, this.#request(), page.stale);
+    this.#pages = new PageLayer(texture, this.#store);
+    this.#pages.smooth = this.options.texels === 'smooth';
+    this.#grid = new PageGridLayer(texture, this.#ledger, () => this.#free_box().top);
     this.#grid.shown = address.options.grid === '1';
     this.#build();
     this.#map = this.#make_map();
@@ -77,6 +80,7 @@ export class Viewer {
     cancelAnimationFrame(this.#frame);
     this.#map.setTarget(undefined);
     this.#map.dispose();
+    this.#store.close();
   }
 
   /** Takes over the view and options of an address of this texture. @param {import('./address.js').Address} address */
@@ -97,7 +101,7 @@ export class Viewer {
   /** The server's present description of the texture. @param {import('./texture.js').Texture} texture */
   refresh(texture) {
     this.texture = texture;
-    this.#source.set_texture(texture);
+    this.#store.set_texture(texture);
     this.#set_channels(channels_chosen(this.channels, texture.channels));
     this.selector.offer(texture.channels, this.channels);
     this.#set_slice(slice_within(this.slice, texture.slices));
@@ -110,26 +114,19 @@ export class Viewer {
   }
 
   #request() {
-    const {format, accuracy, texels} = this.options;
-    return {format, accuracy, channels: this.channels, slice: this.slice, step: this.step, smooth: texels === 'smooth'};
-  }
-
-  #level_shown(/** @type {number} */ resolution) {
-    const grid = /** @type {any} */ (this.#source.getTileGrid());
-    return this.texture.coarsest_level - grid.getZForResolution(resolution, 0);
+    const {format, accuracy} = this.options;
+    return {format, accuracy, channels: this.channels, slice: this.slice, step: this.step};
   }
 
   #make_map() {
     const {finest, coarsest} = level_range(this.texture);
     const side = this.texture.side_texels;
-    const layer = new TileLayer({source: this.#source, preload: 1, cacheSize: 384});
     const map = new OlMap({
       controls: [],
       interactions: default_interactions({altShiftDragRotate: false, pinchRotate: false, keyboard: false}),
-      layers: [layer, this.#grid],
-      maxTilesLoading: 12,
+      layers: [this.#pages, this.#grid],
       view: new View({
-        projection: this.#source.getProjection() ?? undefined,
+        projection: texel_projection(this.texture),
         center: [side / 2, -side / 2],
         resolution: 1,
         minResolution: 2 ** finest,
@@ -147,7 +144,7 @@ export class Viewer {
       this.#pointer = {x, y: -y};
       this.#refresh_soon();
     });
-    map.on('postrender', ({frameState}) => frameState && this.#after_frame(frameState));
+    map.on('postrender', ({frameState}) => frameState && this.#after_frame());
     map.on('moveend', () => this.page.moved(this.#hash(), false));
     return map;
   }
@@ -176,7 +173,7 @@ export class Viewer {
     this.selector.offer(texture.channels, this.channels);
     this.slices = new SliceControl((slice) => this.#choose_slice(slice));
     this.slices.offer(texture.slices, this.slice);
-    this.player = new Player((step) => this.#set_step(step), () => this.#ledger.loading > 0);
+    this.player = new Player(this.#store, (step) => this.#set_step(step));
     this.grid_button = icon_button('Page grid (G)', 'grid', () => this.#toggle_grid(), {'aria-pressed': 'false'});
     const side = with_separators(texture.side_texels);
     this.element = element(
@@ -268,12 +265,11 @@ export class Viewer {
     );
   }
 
-  #after_frame(/** @type {any} */ frame_state) {
+  #after_frame() {
     this.#refresh_soon();
     clearTimeout(this.#settle);
     const keep = () => {
-      this.#source.keep_to(frame_state);
-      if (this.#ledger.loading > 0) this.#settle = setTimeout(keep, 250);
+      if (this.#store.keep_to_wanted()) this.#settle = setTimeout(keep, 100);
     };
     this.#settle = setTimeout(keep, 30);
   }
@@ -286,7 +282,7 @@ export class Viewer {
       this.#frame = 0;
       const resolution = this.#view.getResolution() ?? 1;
       const [x, y] = this.#view.getCenter() ?? [0, 0];
-      const level = this.#level_shown(resolution);
+      const level = level_for(resolution, this.texture.coarsest_level);
       this.read_out.show({texture: this.texture, resolution, level, texel: this.#pointer ?? {x, y: -y}, ledger: this.#ledger});
       this.scale_bar.show(resolution);
       this.rail.show(Math.log2(resolution));
@@ -313,9 +309,9 @@ export class Viewer {
     if (this.options[name] === value) return;
     this.options[name] = value;
     this.menu.check(name, value);
-    if (name === 'texels') this.#source.set_smooth(value === 'smooth');
-    else this.#source.set_request(this.#request());
-    this.#map.render();
+    this.#pages.smooth = this.options.texels === 'smooth';
+    if (name !== 'texels') this.#store.set_request(this.#request());
+    this.#pages.changed();
   }
 
   /** @param {string} set That the texture has. */
@@ -323,8 +319,7 @@ export class Viewer {
     if (this.channels === set) return;
     this.channels = set;
     this.selector.check(set);
-    this.#source.set_request(this.#request());
-    this.#map.render();
+    this.#store.set_request(this.#request());
   }
 
   /** @param {string} set */
@@ -346,8 +341,7 @@ export class Viewer {
     if (this.slice === slice) return;
     this.slice = slice;
     this.slices.show(slice);
-    this.#source.set_request(this.#request());
-    this.#map.render();
+    this.#store.set_request(this.#request());
   }
 
   /** @param {number} slice */
@@ -367,8 +361,7 @@ export class Viewer {
   /** @param {number} step */
   #set_step(step) {
     this.step = step;
-    this.#source.set_step(step);
-    this.#map.render();
+    this.#store.set_step(step);
   }
 
   #toggle_player() {
@@ -378,8 +371,7 @@ export class Viewer {
   }
 
   #retry() {
-    this.#source.retry();
-    this.#map.render();
+    this.#store.retry();
   }
 
   /** @param {boolean} shown */
