@@ -10,22 +10,23 @@ import {flat_page} from './png.mjs';
 const types = {'.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml'};
 
 /**
- * @param {{web: string, n?: number, port?: number, channels?: string[], slices?: number, clock?: object, answer_page?: (page: {z: number, x: number, y: number}, response: import('node:http').ServerResponse, url: URL) => boolean | Promise<boolean>}} options
- *   `clock`: what TileJSON says of a scene that moves. `answer_page` returns true when it has answered.
+ * @param {{web: string, n?: number, port?: number, channels?: string[], slices?: number, clock?: object, info?: () => object, answer_other?: (response: any, url: URL, request: any) => boolean, answer_page?: (page: {z: number, x: number, y: number}, response: import('node:http').ServerResponse, url: URL) => boolean | Promise<boolean>}} options
+ *   `clock`: what TileJSON says of a scene that moves. `info`: more of it, each time. `answer_page` and
+ *   `answer_other` return true when they have answered.
  */
-export async function start_page_server({web, n = 4, port = 0, channels = undefined, slices = undefined, clock = {}, answer_page = () => false}) {
+export async function start_page_server({web, n = 4, port = 0, channels = undefined, slices = undefined, clock = {}, info = () => ({}), answer_page = () => false, answer_other = () => false}) {
   const requests = [];
   const server = createServer(async (request, response) => {
     const url = new URL(request.url ?? '/', 'http://127.0.0.1');
     requests.push(url.pathname + url.search);
     const json = (value) => response.setHeader('content-type', 'application/json').end(JSON.stringify(value));
-    const page = url.pathname.match(/^\/scenes\/tints\/(?:r0-[0-9a-f]+\/)?(\d+)\/(\d+)\/(\d+)\.png$/);
+    const page = url.pathname.match(/^\/scenes\/tints\/(?:r\d+-[0-9a-f]+\/)?(\d+)\/(\d+)\/(\d+)\.png$/);
     if (url.pathname === '/healthz') return response.end('ok');
     if (url.pathname === '/scenes') return json({scenes: [{id: 'tints', title: 'Tints', texture: 'constant', extent_log2_pages: n}]});
     if (url.pathname === '/scenes/tints') {
       return json({tilejson: '3.0.0', name: 'Tints', maxzoom: n, tessera: {
         id: 'tints', extent_log2_pages: n, formats: ['png'], texture: 'constant', page_url: '/scenes/tints/r0-abc/{z}/{x}/{y}',
-        channels, slices, ...clock,
+        channels, slices, ...clock, ...info(),
       }});
     }
     if (page) {
@@ -37,6 +38,7 @@ export async function start_page_server({web, n = 4, port = 0, channels = undefi
       const slice = url.searchParams.get('slice');
       return response.end(flat_page(set ? set_colours[set] : slice ? slice_colour(Number(slice)) : tint(n - z, x, y)));
     }
+    if (answer_other(response, url, request)) return;
     const file = path.join(web, url.pathname === '/' ? 'index.html' : path.basename(url.pathname));
     const bytes = await readFile(file).catch(() => null);
     if (!bytes) return response.writeHead(404).end('no such page');
@@ -49,7 +51,7 @@ export async function start_page_server({web, n = 4, port = 0, channels = undefi
     server.close();
     await once(server, 'close');
   };
-  return {origin: `http://127.0.0.1:${server.address().port}`, requests, stop};
+  return {origin: `http://127.0.0.1:${server.address().port}`, port: server.address().port, http: server, requests, stop};
 }
 
 /** The colour of every page of a channel set that is no colour. @type {Record<string, number[]>} */

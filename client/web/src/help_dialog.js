@@ -9,6 +9,8 @@ const shortcuts = [
   ['Crisp or smooth', ['S'], 'when a texel is larger than a pixel'],
   ['Next channels', ['M'], 'normals, roughness … if the scene has them; with Shift: back'],
   ['Slice', [',', '.'], 'before and next, if the scene has a third dimension'],
+  ['Pause or play', ['P'], 'if the scene moves'],
+  ['Step', ['[', ']'], 'back and on, if the scene moves'],
   ['Full screen', ['F'], ''],
   ['Copy a link to this view', ['C'], ''],
   ['List of scenes', ['L'], ''],

@@ -30,8 +30,8 @@ class Entry {
   least = 0;
   /** Whether `least` is the page's own revision now, so that its immutable address is known. */
   sure = false;
-  /** @type {number | null} The scene's revision up to which `least` is known, of a page that is not watched any more. */
-  seen = null;
+  /** @type {number | null} The scene's revision up to which `least` is known; null while the page is watched: up to now. */
+  seen;
   /** Asks for it that found it changed once more. */
   overtaken = 0;
   failed = false;
@@ -39,9 +39,10 @@ class Entry {
   request = null;
   wanted = false;
 
-  /** @param {import('./texture.js').PageKey} page */
-  constructor(page) {
+  /** @param {import('./texture.js').PageKey} page @param {number} told */
+  constructor(page, told) {
     this.page = page;
+    this.seen = told;
   }
 
   /** The picture that is right for a step, if it is here. @param {number} step @param {string} look @returns {Slot | undefined} */
@@ -69,8 +70,10 @@ export class PageStore extends EventTarget {
   /** @type {number[]} Steps that are to come. */
   #coming = [];
   #requests = 0;
-  /** The scene's revision, as far as it is told. */
+  /** The scene's revision, as far as anybody spoke of it. */
   revision = 0;
+  /** Up to this revision it is told which pages changed. */
+  told = 0;
   /** How long pages took lately, in milliseconds. */
   latency = 60;
 
@@ -86,7 +89,7 @@ export class PageStore extends EventTarget {
     this.#ledger = ledger;
     this.#options = {...options};
     this.on_stale = on_stale;
-    this.revision = texture.revision;
+    this.revision = this.told = texture.revision;
   }
 
   get step() {
@@ -104,9 +107,8 @@ export class PageStore extends EventTarget {
     const other = texture.fingerprint !== this.#texture.fingerprint;
     const newer = texture.revision > this.revision;
     this.#texture = texture;
-    if (other) this.revision = texture.revision;
-    else this.revision = Math.max(this.revision, texture.revision);
-    if (other) this.#renew();
+    this.revision = other ? texture.revision : Math.max(this.revision, texture.revision);
+    if (other) this.#renew(true);
     else if (newer) this.doubt_all();
   }
 
@@ -201,21 +203,27 @@ export class PageStore extends EventTarget {
     let known = null;
     for (const entry of this.#entries.values()) {
       if (!watched(entry.page)) {
-        entry.seen ??= this.revision;
+        entry.seen ??= this.told;
         entry.sure = false;
       } else if (entry.seen !== null) {
-        if (entry.shown) known = Math.min(known ?? Infinity, entry.seen);
+        known = Math.min(known ?? Infinity, entry.seen);
         entry.seen = null;
       }
     }
     return known;
   }
 
-  /** Nobody told what changed for a while: all pages are asked for again, and what is right is found in the browser's cache. */
-  doubt_all() {
+  /**
+   * Nobody told what changed up to `revision`: all pages are asked for again, and what is right is found in the browser's cache.
+   * @param {number} [revision]
+   */
+  doubt_all(revision = this.revision) {
+    this.revision = Math.max(this.revision, revision);
+    this.told = Math.max(this.told, revision);
     for (const entry of this.#entries.values()) {
       entry.sure = false;
-      entry.seen = null;
+      entry.request?.abort.abort();  // it may have been answered before
+      if (entry.seen !== null) entry.seen = this.told;
       entry.failed = false;
       entry.least = Math.max(entry.least, (entry.shown?.revision ?? -1) + 0.5);
     }
@@ -234,13 +242,18 @@ export class PageStore extends EventTarget {
     return [this.#texture.fingerprint, format, accuracy, channels, slice].join(' ');
   }
 
-  #renew() {
+  /** @param {boolean} [other_texture] Nothing that was known of its pages holds. */
+  #renew(other_texture = false) {
     this.#ledger.clear();
+    if (other_texture) this.told = this.revision;
     for (const entry of this.#entries.values()) {
       entry.request?.abort.abort();
-      entry.failed = entry.sure = false;
-      entry.least = 0;
-      entry.seen = null;
+      entry.failed = false;
+      if (other_texture) {
+        entry.sure = false;
+        entry.least = entry.overtaken = 0;
+        if (entry.seen !== null) entry.seen = this.told;
+      }
       for (const {image} of entry.slots) image.close();
       entry.slots = [];
     }
@@ -255,7 +268,7 @@ export class PageStore extends EventTarget {
   /** @param {import('./texture.js').PageKey} page */
   #touch(page) {
     const key = key_text(page);
-    const entry = this.#entries.get(key) ?? new Entry(page);
+    const entry = this.#entries.get(key) ?? new Entry(page, this.told);
     this.#entries.delete(key);
     this.#entries.set(key, entry);
     return entry;

@@ -57,6 +57,9 @@ export class Texture {
     /** Templates of a page's path, with {z}, {x}, {y} and no extension: as it is now, and at a revision, for ever the same. */
     this.template_now = path_of(tilejson.tiles?.[0] ?? `/scenes/${info.id}/{z}/{x}/{y}.png`);
     this.template_at = info.page_url || this.template_now;
+    this.tells_fingerprint = Boolean(info.fingerprint);
+    /** Path of the live stream; empty where there is none. */
+    this.stream = info.stream ?? '';
     /** Another one when scene file or assets are. */
     this.fingerprint = info.fingerprint || this.template_at.replace(/\/r\d+-/, '/');
   }

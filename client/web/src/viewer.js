@@ -16,6 +16,8 @@ import {PageLedger} from './page_ledger.js';
 import {PageStore} from './page_store.js';
 import {Player, step_chosen} from './player.js';
 import {ReadOut, ScaleBar} from './read_out.js';
+import {Live} from './live/live.js';
+import {SceneClock} from './live/scene_clock.js';
 import {connection} from './server.js';
 import {slice_chosen, slice_within, SliceControl} from './slices.js';
 import {kind_name} from './texture.js';
@@ -29,6 +31,7 @@ export class Viewer {
   #store;
   #pages;
   #grid;
+  #clock = new SceneClock();
   /** @type {OlMap} */
   #map;
   /** @type {{x: number, y: number} | null} The texel under the pointer. */
@@ -59,22 +62,30 @@ export class Viewer {
     this.#pages.smooth = this.options.texels === 'smooth';
     this.#grid = new PageGridLayer(texture, this.#ledger, () => this.#free_box().top);
     this.#grid.shown = address.options.grid === '1';
+    this.#clock.follow_wall(texture);
+    this.live = new Live(texture, this.#store, this.#clock, {
+      stale: page.stale,
+      place: ({x, y}) => this.#map.getPixelFromCoordinate([x, -y]),
+      go: (place) => this.#fly_to(place),
+    });
     this.#build();
     this.#map = this.#make_map();
     this.#listen();
     this.show(address);
-    this.player.offer(texture, step_chosen(address.options.step, texture.animated));
+    this.player.offer(step_chosen(address.options.step, texture.animated));
   }
 
   /** Call when the element is in the document. */
   opened() {
     document.title = `${this.texture.title} · Tessera`;
     this.#map.setTarget(this.canvas);
+    this.live.open();
   }
 
   close() {
     this.#closed.abort();
     this.player.close();
+    this.live.close();
     clearTimeout(this.#settle);
     clearTimeout(this.#record);
     cancelAnimationFrame(this.#frame);
@@ -106,7 +117,9 @@ export class Viewer {
     this.selector.offer(texture.channels, this.channels);
     this.#set_slice(slice_within(this.slice, texture.slices));
     this.slices.offer(texture.slices, this.slice);
-    this.player.offer(texture, this.player.paused_at);
+    this.live.set_texture(texture);
+    if (!this.live.stream?.open) this.#clock.follow_wall(texture);
+    this.player.offer(this.player.paused_at);
   }
 
   get #view() {
@@ -142,9 +155,10 @@ export class Viewer {
       if (event.dragging) return;
       const [x, y] = event.coordinate;
       this.#pointer = {x, y: -y};
+      this.live.be_at({...this.#pointer, level: level_for(this.#view.getResolution() ?? 1, this.texture.coarsest_level)});
       this.#refresh_soon();
     });
-    map.on('postrender', ({frameState}) => frameState && this.#after_frame());
+    map.on('postrender', ({frameState}) => frameState && this.#after_frame(frameState));
     map.on('moveend', () => this.page.moved(this.#hash(), false));
     return map;
   }
@@ -158,6 +172,7 @@ export class Viewer {
       'aria-label': `${texture.title}. Arrow keys move, plus and minus zoom, H shows every key.`,
     });
     this.read_out = new ReadOut(() => this.#retry());
+    this.read_out.element.append(this.live.sign.element);
     this.scale_bar = new ScaleBar();
     this.rail = new LevelRail(level_range(texture), {
       go: (level) => this.#view.setResolution(2 ** level),
@@ -173,13 +188,19 @@ export class Viewer {
     this.selector.offer(texture.channels, this.channels);
     this.slices = new SliceControl((slice) => this.#choose_slice(slice));
     this.slices.offer(texture.slices, this.slice);
-    this.player = new Player(this.#store, (step) => this.#set_step(step));
+    this.player = new Player(this.#store, this.#clock, {
+      change: (step) => this.#set_step(step),
+      set_clock: (change) => this.#set_clock(change),
+      say: this.page.say,
+      chosen: () => this.page.moved(this.#hash(), false),
+    });
     this.grid_button = icon_button('Page grid (G)', 'grid', () => this.#toggle_grid(), {'aria-pressed': 'false'});
     const side = with_separators(texture.side_texels);
     this.element = element(
       'div',
       {class: 'viewer'},
       this.canvas,
+      this.live.cursors.element,
       element('div', {class: 'progress', 'aria-hidden': 'true'}),
       element(
         'header',
@@ -198,6 +219,7 @@ export class Viewer {
         this.selector.element,
         this.slices.element,
         this.player.element,
+        this.live.panel.element,
         element(
           'div',
           {class: 'panel tools', role: 'toolbar', 'aria-label': 'Tools'},
@@ -216,6 +238,7 @@ export class Viewer {
         element('div', {class: 'above-read-out'}, this.scale_bar.element, texture.attribution && element('p', {class: 'attribution', text: texture.attribution})),
         this.read_out.element,
       ),
+      this.live.sign.drawer,
     );
   }
 
@@ -225,12 +248,19 @@ export class Viewer {
     connection.addEventListener('up', () => {
       this.#retry();
       this.page.stale();
+      this.live.stream?.try_now();
     }, until);
     this.canvas.addEventListener('pointerleave', () => {
       this.#pointer = null;
+      this.live.be_at({x: undefined, y: undefined});
       this.#refresh_soon();
     }, until);
-    this.canvas.addEventListener('pointerdown', () => this.menu.close(), until);
+    this.live.addEventListener('rights', () => this.player.set_rights(this.live.may_edit), until);
+    this.canvas.addEventListener('pointerdown', () => {
+      this.menu.close();
+      this.player.close_menu();
+      this.live.panel.close_menu();
+    }, until);
     watch_cache(this.#ledger, this.#closed.signal);
     const move = (/** @type {number} */ x, /** @type {number} */ y) => (/** @type {KeyboardEvent} */ event) => this.#move(x, y, event.shiftKey);
     listen_to_keys(
@@ -260,12 +290,17 @@ export class Viewer {
         ',': () => this.#step_slice(-1),
         '.': () => this.#step_slice(1),
         p: () => this.#toggle_player(),
+        '[': () => this.#step_player(-1),
+        ']': () => this.#step_player(1),
       },
       this.#closed.signal,
     );
   }
 
-  #after_frame() {
+  /** @param {any} frame */
+  #after_frame({extent: [left, bottom, right, top], viewState: {resolution}}) {
+    this.live.watch?.look_at({x0: left, y0: -top, x1: right, y1: -bottom}, level_for(resolution, this.texture.coarsest_level));
+    this.live.cursors.draw();
     this.#refresh_soon();
     clearTimeout(this.#settle);
     const keep = () => {
@@ -367,7 +402,32 @@ export class Viewer {
   #toggle_player() {
     if (!this.texture.animated) return this.page.say('Nothing moves in this scene');
     this.player.toggle();
-    this.page.moved(this.#hash(), false);
+  }
+
+  /** @param {number} steps */
+  #step_player(steps) {
+    if (!this.texture.animated) return this.page.say('Nothing moves in this scene');
+    this.player.move(steps);
+  }
+
+  /** For everybody. @param {any} change A ClockChange. */
+  async #set_clock(change) {
+    try {
+      await this.live.edit([{change: {case: 'setClock', value: change}}]);
+    } catch (error) {
+      this.page.say(`The clock was not set: ${/** @type {Error} */ (error).message}`);
+    }
+  }
+
+  /** To a place that somebody points to. @param {{x: number, y: number, level?: number, side?: number}} place */
+  #fly_to({x, y, level, side = 0}) {
+    this.page.moved(this.#hash(), true);
+    const now = this.#view.getResolution() ?? 1;
+    const {finest, coarsest} = level_range(this.texture);
+    // So that what was done there is neither a speck nor larger than the view
+    const fit = side > 0 ? Math.min(Math.max(now, (1.5 * side) / this.canvas.clientHeight), side / 24) : now;
+    const resolution = level !== undefined ? 2 ** level : fit;
+    this.#animate({center: [x, -y], resolution: Math.min(2 ** coarsest, Math.max(2 ** finest, resolution))});
   }
 
   #retry() {
