@@ -69,16 +69,22 @@ constexpr std::optional<Filter> filter_named(std::string_view name) noexcept {
 /// Which pages the filter reads.
 constexpr Sampling sampling_of(FilterChoice choice) noexcept {
     switch (choice.filter) {
+        case Filter::nearest:
+        case Filter::bilinear:
+        case Filter::stored:
+            return {Sampling::Kind::nearest_level};
         case Filter::anisotropic:
+            return {Sampling::Kind::anisotropic};
         case Filter::driver_anisotropic:
-            return {Sampling::Kind::anisotropic, 1};
+            return {Sampling::Kind::driver_anisotropic};
         case Filter::line_integral:
             return {Sampling::Kind::line_integral, 1, choice.columns};
         case Filter::supersample:
-            return {Sampling::Kind::isotropic, choice.subsamples};
-        default:
-            return {};
+            return {Sampling::Kind::supersampled, choice.subsamples};
+        case Filter::trilinear:
+            break;
     }
+    return {};
 }
 
 /// Whether the current context's driver has a sampler of its own for Filter::driver_anisotropic.

@@ -92,6 +92,7 @@ Result<void> FilterPass::draw(const ShaderVariant& variant, const SourceBlock& s
         glBindTextureUnit(unit, units[unit]);
         glBindSampler(unit, unit == 0 ? colour.name() : nearest_.name());
     }
+    if (variant.feedback) glBindImageTexture(0, texels.feedback, 0, GL_TRUE, 0, GL_WRITE_ONLY, GL_R32UI);
     glBindVertexArray(no_vertices_.name());
     glDrawArrays(GL_TRIANGLES, 0, 3);
     for (GLuint unit = 0; unit < 4; ++unit) glBindSampler(unit, 0);

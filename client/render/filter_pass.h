@@ -41,6 +41,7 @@ struct TexelTextures {
     GLuint coded = 0;      ///< Pages as stored.
     GLuint table = 0;      ///< The page table.
     GLuint integrals = 0;  ///< See IntegralStore.
+    GLuint feedback = 0;   ///< R32UI, as large as the page table: entries of pages that were read become 1.
 };
 
 /// Draws one triangle over the picture with a variant of the filter shaders. Compiles each variant when it is

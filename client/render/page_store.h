@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string_view>
 
 #include "client/render/gl_objects.h"
-#include "client/residency/slot.h"
+#include "client/residency/slot_cache.h"
+#include "shared/result/result.h"
 
 namespace tessera {
 
@@ -14,6 +16,12 @@ class PageStore {
   public:
     /// `slots`: 1 to the driver's limit of layers, at least 2048.
     explicit PageStore(std::size_t slots);
+    /// Error: io_failure (the driver has no room for so many).
+    static Result<PageStore> make(std::size_t slots);
+
+    /// Takes over the pages of a store of another size: each in its slot, as far as there is one, but for
+    /// those that moved.
+    void copy_from(const PageStore& other, std::span<const SlotCache::Move> moves);
 
     /// `texels`: slot_bytes, as in SlotUpload.
     void upload(Slot slot, std::string_view texels);

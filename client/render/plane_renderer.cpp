@@ -49,7 +49,8 @@ ShaderVariant variant_of(const PlaneStyle& style) {
     return {.picture = ShaderVariant::Picture::plane,
             .filter = style.filter,
             .fading = style.fade_ms > 0 && !stored,
-            .page_borders = style.page_borders && !stored};
+            .page_borders = style.page_borders && !stored,
+            .feedback = style.feedback};
 }
 
 }  // namespace

@@ -18,6 +18,7 @@ struct PlaneStyle {
     float fade_ms = 0;          ///< How long a new page takes to fade in; 0: at once, and cheaper.
     bool haze = true;           ///< The plane fades into the sky towards the horizon.
     bool page_borders = false;  ///< Draws the borders of the pages shown, coloured by level.
+    bool feedback = false;      ///< Also tells which pages were read, slowly: TexelTextures::feedback.
 };
 
 /// Draws the plane, and the sky above it.

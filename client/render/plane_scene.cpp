@@ -18,8 +18,8 @@ PlaneScene::PlaneScene(Extent extent, PageSource& source, const ResidencySetting
       table_{extent, settings.window_side},
       renderer_{std::move(renderer)} {}
 
-ResidencyFrame PlaneScene::update(const PlaneView& view, ClientTime now, FilterChoice filter) {
-    ResidencyFrame frame = residency_.update(view, now, sampling_of(filter));
+ResidencyFrame PlaneScene::update(const PlaneView& view, FrameTime time, FilterChoice filter) {
+    ResidencyFrame frame = residency_.update(view, time, sampling_of(filter));
     // From now on sums are made while texels are at hand; draw() says why if there is no room
     if (filter.filter == Filter::line_integral && !integrals_)
         if (auto made = IntegralStore::make(residency_.settings().slots))
@@ -35,9 +35,9 @@ ResidencyFrame PlaneScene::update(const PlaneView& view, ClientTime now, FilterC
         }
     }
     table_.update(residency_.table());
-    if (!frame.uploads.empty()) last_upload_ = now;
+    if (!frame.uploads.empty()) last_upload_ = time.now;
     lod_bias_ = frame.lod_bias;
-    now_ = now;
+    now_ = time.now;
     return frame;
 }
 
@@ -54,16 +54,31 @@ Result<void> PlaneScene::bring_integrals() {
     return {};
 }
 
-Result<void> PlaneScene::draw(const FrameTarget& target, const PlaneView& view, PlaneStyle style) {
+Result<void> PlaneScene::resize(std::size_t slots) {
+    auto pages = PageStore::make(residency_.cache_slots(slots));
+    if (!pages) return pages.error();
+    const SlotCache::Resized resized = residency_.resize(slots);
+    pages->copy_from(pages_, resized.moves);
+    pages_ = std::move(pages.value());
+    // Sums are made again where they are wanted
+    integrals_.reset();
+    without_integrals_.clear();
+    for (const auto& [page, slot] : residency_.cache().pages()) without_integrals_.insert(slot);
+    table_.update(residency_.table());
+    return {};
+}
+
+Result<void> PlaneScene::draw(const FrameTarget& target, const PlaneView& view, PlaneStyle style,
+                              GLuint feedback) {
     style.lod_bias = lod_bias_;
     style.now_ms = static_cast<std::uint32_t>(now_.count());
     if (now_ - last_upload_ > std::chrono::duration<float, std::milli>{style.fade_ms}) style.fade_ms = 0;
     if (style.filter.filter == Filter::line_integral)
         if (const auto there = bring_integrals(); !there) return there.error();
-    return renderer_.draw(
-        target, view,
-        {pages_.texture(), pages_.coded_texture(), table_.texture(), integrals_ ? integrals_->texture() : 0},
-        residency_.settings().window_side, style);
+    return renderer_.draw(target, view,
+                          {pages_.texture(), pages_.coded_texture(), table_.texture(),
+                           integrals_ ? integrals_->texture() : 0, feedback},
+                          residency_.settings().window_side, style);
 }
 
 }  // namespace tessera

@@ -19,12 +19,18 @@ class PlaneScene {
                                                     const ResidencySettings& settings);
 
     /// Decides what is resident for this view under this filter, and brings new pages and entries to the GPU.
-    ResidencyFrame update(const PlaneView& view, ClientTime now, FilterChoice filter = {});
+    ResidencyFrame update(const PlaneView& view, FrameTime time, FilterChoice filter = {});
 
     /// Draws the view of the last update(), which was for the same filter. `style.lod_bias` and
     /// `style.now_ms` are set here. Error: io_failure (the driver refuses the filter's shader, or has no
     /// room); nothing is drawn then.
-    Result<void> draw(const FrameTarget& target, const PlaneView& view, PlaneStyle style);
+    /// `feedback`: see TexelTextures, where the style asks for it.
+    Result<void> draw(const FrameTarget& target, const PlaneView& view, PlaneStyle style,
+                      GLuint feedback = 0);
+
+    /// The cache has so many slots from now on; what is resident stays, as far as there is room. Error:
+    /// io_failure (no room on the GPU); nothing has changed then.
+    Result<void> resize(std::size_t slots);
 
     const Residency& residency() const { return residency_; }
     const PageStore& pages() const { return pages_; }

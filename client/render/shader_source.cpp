@@ -55,6 +55,7 @@ std::string definitions(const ShaderVariant& variant) {
     if (variant.fading) text += "#define FADING\n";
     if (variant.page_borders) text += "#define PAGE_BORDERS\n";
     if (variant.count_fetches) text += "#define COUNT_FETCHES\n";
+    if (variant.feedback) text += "#define FEEDBACK\n";
     return text;
 }
 

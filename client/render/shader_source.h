@@ -16,6 +16,7 @@ struct ShaderVariant {
     bool fading = false;  ///< New pages fade in.
     bool page_borders = false;
     bool count_fetches = false;  ///< Alpha says how many texels were read.
+    bool feedback = false;       ///< Says which pages were read: TexelTextures::feedback.
     auto operator<=>(const ShaderVariant&) const = default;
 };
 

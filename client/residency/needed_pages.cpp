@@ -6,9 +6,12 @@
 #include <limits>
 
 #include "client/residency/footprint_pages.h"
+#include "client/residency/pixel_reads.h"
 
 namespace tessera {
 namespace {
+
+constexpr double float_margin = 0.003;  ///< Of levels, in the shader.
 
 /// A convex polygon on the plane. A square clipped by six half-planes has at most ten corners.
 struct Polygon {
@@ -39,13 +42,18 @@ Polygon clip(const Polygon& polygon, const HalfPlane& plane) {
     return kept;
 }
 
-/// The pages of the two levels around each pixel's level. Walks the quadtree from the coarsest page and clips
+/// The pages of the levels less than `reach` from each pixel's level: 1 for the two around it, ½ for the
+/// nearer one. Walks the quadtree from the coarsest page and clips
 /// each page's square to the view. Everything is relative to the eye, so doubles are exact enough
 /// at any place of any extent.
 class Walk {
   public:
-    Walk(const PlaneView& view, Extent extent, double lod_bias)
-        : view_{view}, extent_{extent}, lod_bias_{lod_bias} {
+    Walk(const PlaneView& view, Extent extent, double lod_bias, const Sampling& sampling)
+        : view_{view},
+          extent_{extent},
+          lod_bias_{lod_bias},
+          reach_{(sampling.kind == Sampling::Kind::nearest_level ? 0.5 : 1) + float_margin},
+          reads_{view, extent, lod_bias, sampling} {
         const Vector3 &f = view.forward(), &r = view.right(), &u = view.up();
         const double height = view.camera().height_texels;
         // Depth along the view of the ground point (x, y), and the frustum's four sides, all linear in x and
@@ -88,11 +96,40 @@ class Walk {
                 finer.push_back(
                     {static_cast<std::uint8_t>(key.level - 1), 2 * key.x + child % 2, 2 * key.y + child / 2});
         }
-        // The page itself is needed where level − 1 < λ < level + 1
-        if (key.level > 0) polygon = clip(polygon, farther_than(fall_at(key.level - 1, stretch_high)));
-        if (polygon.count > 0 && key.level < extent_.n)
-            polygon = clip(polygon, nearer_than(fall_at(key.level + 1, stretch_low)));
-        if (polygon.count > 0) found_.push_back({key, pixels_of(polygon)});
+        // The page itself is needed where level − reach < λ < level + reach
+        if (!meets_level(polygon, key.level)) return;
+        polygon = at_level(polygon, key.level, stretch_low, stretch_high);
+        if (polygon.count == 0) return;
+        const Seen seen = seen_of(polygon);
+        if (is_read(key, seen)) found_.push_back({key, seen.pixels});
+    }
+
+    /// A polygon's part whose level is near enough to this one, for stretches between these.
+    Polygon at_level(Polygon polygon, int level, double stretch_low, double stretch_high) const {
+        if (level > 0) polygon = clip(polygon, farther_than(fall_at(level - reach_, stretch_high)));
+        if (polygon.count > 0 && level < extent_.n)
+            polygon = clip(polygon, nearer_than(fall_at(level + reach_, stretch_low)));
+        return polygon;
+    }
+
+    /// Whether some of a polygon's points are of levels near enough to this one. Points of one distance are
+    /// of several levels, by how far aside they lie: where that decides, the polygon is cut in two.
+    bool meets_level(const Polygon& polygon, int level, int cuts = 6) const {
+        if (polygon.count == 0) return false;
+        const double low = stretch(least_across(polygon)), high = stretch(most_across(polygon));
+        if (at_level(polygon, level, low, high).count == 0) return false;
+        if (cuts == 0 || high < 1.002 * low || at_level(polygon, level, high, low).count > 0) return true;
+        double left = across(polygon.corners[0]), right = left;
+        for (std::size_t i = 1; i < polygon.count; ++i) {
+            left = std::min(left, across(polygon.corners[i]));
+            right = std::max(right, across(polygon.corners[i]));
+        }
+        const double middle = left < 0 && right > 0 ? 0 : (left + right) / 2;
+        const Vector3& aside = view_.right();
+        const HalfPlane beyond{aside.x - middle * depth_.a, aside.y - middle * depth_.b, -middle * depth_.c};
+        const HalfPlane before{-beyond.a, -beyond.b, -beyond.c};
+        return meets_level(clip(polygon, beyond), level, cuts - 1) ||
+               meets_level(clip(polygon, before), level, cuts - 1);
     }
 
     Polygon square_of(PageKey key) const {
@@ -133,7 +170,7 @@ class Walk {
     }
 
     /// How much a ray of this level (+ bias) falls for each unit of depth: PlaneView::level_at, inverted.
-    double fall_at(int level, double stretch_factor) const {
+    double fall_at(double level, double stretch_factor) const {
         const double scale = view_.camera().height_texels * view_.pixel_step() * std::exp2(lod_bias_ - level);
         return std::max(scale, std::sqrt(stretch_factor * scale));
     }
@@ -145,18 +182,29 @@ class Walk {
         return {depth_.a, depth_.b, depth_.c - view_.camera().height_texels / fall};
     }
     bool reaches_below(const Polygon& polygon, int level, double stretch_factor) const {
-        const HalfPlane near = nearer_than(fall_at(level, stretch_factor));
+        const HalfPlane near = nearer_than(fall_at(level - 1 + reach_, stretch_factor));
         for (std::size_t i = 0; i < polygon.count; ++i)
             if (near.side(polygon.corners[i]) > 0) return true;
         return false;
     }
 
-    double pixels_of(const Polygon& polygon) const {
+    /// Of the picture: how many pixels a polygon covers, and between which it lies.
+    struct Seen {
+        double pixels = 0;
+        double left = 1e9, top = 1e9, right = -1e9, bottom = -1e9;
+    };
+    Seen seen_of(const Polygon& polygon) const {
         const double height = view_.camera().height_texels, step = view_.pixel_step();
+        Seen seen;
         const auto on_picture = [&](GroundPoint p) {
-            const double depth = depth_.side(p);
             const double up = p.x * view_.up().x + p.y * view_.up().y - height * view_.up().z;
-            return GroundPoint{across(p) / step, up / depth / step};
+            const GroundPoint at{across(p) / step + view_.width() / 2.0,
+                                 view_.height() / 2.0 - up / depth_.side(p) / step};
+            seen.left = std::min(seen.left, at.x);
+            seen.right = std::max(seen.right, at.x);
+            seen.top = std::min(seen.top, at.y);
+            seen.bottom = std::max(seen.bottom, at.y);
+            return at;
         };
         double doubled = 0;
         GroundPoint last = on_picture(polygon.corners[polygon.count - 1]);
@@ -165,12 +213,39 @@ class Walk {
             doubled += last.x * next.y - next.x * last.y;
             last = next;
         }
-        return std::abs(doubled) / 2;
+        seen.pixels = std::abs(doubled) / 2;
+        return seen;
+    }
+
+    /// The polygon is a bit too large, since a page's pixels are of more than one level: where it has few
+    /// pixels, these are looked at one by one.
+    bool is_read(PageKey key, const Seen& seen) {
+        constexpr double few = 300;
+        if (!(seen.pixels < few) || (seen.right - seen.left + 2) * (seen.bottom - seen.top + 2) > 3 * few)
+            return true;
+        const auto first = [](double at, int size) {
+            return std::clamp(static_cast<int>(std::floor(at)) - 1, 0, size);
+        };
+        const auto end = [](double at, int size) {
+            return std::clamp(static_cast<int>(std::ceil(at)) + 1, 0, size);
+        };
+        for (int y = first(seen.top, view_.height()); y < end(seen.bottom, view_.height()); ++y) {
+            if (!reads_.sees_plane(y)) continue;
+            for (int x = first(seen.left, view_.width()); x < end(seen.right, view_.width()); ++x) {
+                read_.clear();
+                reads_.add_pages(x, y, read_);
+                if (std::ranges::find(read_, key) != read_.end()) return true;
+            }
+        }
+        return false;
     }
 
     const PlaneView& view_;
     Extent extent_;
     double lod_bias_;
+    double reach_;
+    PixelReads reads_;
+    std::vector<PageKey> read_;
     HalfPlane depth_{};
     std::array<HalfPlane, 4> frustum_{};
     std::vector<NeededPage> found_;
@@ -180,9 +255,9 @@ class Walk {
 
 std::vector<NeededPage> needed_pages(const PlaneView& view, Extent extent, double lod_bias,
                                      const Sampling& sampling) {
-    if (sampling.kind != Sampling::Kind::isotropic)
-        return needed_by_footprints(view, extent, lod_bias, sampling);
-    return Walk{view, extent, lod_bias - std::log2(sampling.subdivisions)}.run();
+    if (sampling.kind == Sampling::Kind::isotropic || sampling.kind == Sampling::Kind::nearest_level)
+        return Walk{view, extent, lod_bias, sampling}.run();
+    return needed_by_footprints(view, extent, lod_bias, sampling);
 }
 
 }  // namespace tessera

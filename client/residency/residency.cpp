@@ -238,8 +238,10 @@ void Residency::watch(const std::vector<NeededPage>& needed) {
     source_.watch(watched_, seen);
 }
 
+std::size_t Residency::cache_slots(std::size_t slots) const { return std::max(slots, 2 * pinned_room()); }
+
 SlotCache::Resized Residency::resize(std::size_t slots) {
-    SlotCache::Resized resized = cache_.resize(std::max(slots, 2 * pinned_room()));
+    SlotCache::Resized resized = cache_.resize(cache_slots(slots));
     for (const PageKey page : resized.dropped) {
         table_.hide(page);
         versions_.forget(page);

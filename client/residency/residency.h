@@ -75,6 +75,8 @@ class Residency {
     /// From now on the cache has so many slots (at least the pinned pages' and as many again). Pages that
     /// stay keep their slots but for `moves`, which the caller carries over before the next picture.
     SlotCache::Resized resize(std::size_t slots);
+    /// How many resize(slots) would make.
+    std::size_t cache_slots(std::size_t slots) const;
 
     PageTable& table() { return table_; }
     const PageTable& table() const { return table_; }

@@ -8,12 +8,15 @@ namespace tessera {
 /// What a filter reads for a pixel, as far as pages go. The shaders have the same formulas.
 struct Sampling {
     enum class Kind {
-        isotropic,    ///< The two levels around the footprint's longer side.
+        isotropic,      ///< The two levels around the footprint's longer side.
+        nearest_level,  ///< The nearer of these two.
         anisotropic,  ///< The two levels around its shorter side, at most 16 times finer than the longer one.
-        line_integral,  ///< One level, by the width and length of the footprint's bounding box.
+        driver_anisotropic,  ///< These levels, but only the page that the footprint's middle lies in.
+        supersampled,        ///< The pixel in parts, each by the two levels around its own longer side.
+        line_integral,       ///< One level, by the width and length of the footprint's bounding box.
     };
     Kind kind = Kind::isotropic;
-    int subdivisions = 1;  ///< The pixel is sampled in so many parts a side.
+    int subdivisions = 1;  ///< Of supersampled: so many parts a side.
     int columns = 6;       ///< Of line_integral: at most so many across a footprint.
     bool operator==(const Sampling&) const = default;
 };

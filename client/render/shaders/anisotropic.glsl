@@ -25,7 +25,7 @@ vec4 anisotropic(Footprint footprint, out float level) {
     float probes = anisotropic_probes(footprint);
     level = clamped_level(log2(footprint.longer / probes));
     vec2 side = dot(footprint.dx, footprint.dx) > dot(footprint.dy, footprint.dy) ? footprint.dx : footprint.dy;
-    int finer = int(floor(level)), coarser = min(finer + 1, top_level);
+    int finer = int(floor(level)), coarser = coarser_of(level);
     Near fine = find_near(finer, footprint.centre, 0.5 * abs(side));
     Near coarse = find_near(coarser, footprint.centre, 0.5 * abs(side));
     float weight = level - float(finer);
@@ -53,7 +53,7 @@ vec4 driver_anisotropic(Footprint footprint, out float level) {
     vec4 sum = vec4(0.0);
     for (int next = 0; next < 2; ++next) {
         float weight = next == 0 ? 1.0 - (level - float(finer)) : level - float(finer);
-        if (!find_place(min(finer + next, top_level), footprint.centre, place)) {
+        if (!find_place(next == 0 ? finer : coarser_of(level), footprint.centre, place)) {
             sum += weight * nothing_yet();
             continue;
         }

@@ -52,7 +52,10 @@ Near find_near(int level, vec2 centre, vec2 reach) {
     return found;
 }
 
+// The other level that a fractional one reads; where its weight is nothing, none
+int coarser_of(float level) { return min(int(ceil(level)), top_level); }
+
 vec4 trilinear(vec2 ground, float level) {
     int finer = int(floor(level));
-    return mix(sample_level(finer, ground), sample_level(min(finer + 1, top_level), ground), level - float(finer));
+    return mix(sample_level(finer, ground), sample_level(coarser_of(level), ground), level - float(finer));
 }

@@ -127,6 +127,9 @@ vec4 line_integral(Footprint footprint, out float shown_level) {
             float cell_area = 0.0;
             add_cell(shown, max(low * coarser + shift, corner), min(high * coarser + shift, corner + PAGE_SIDE * coarser),
                      2 * cell.layer + (upright ? 0 : 1), parts, cell_sum, cell_area);
+#ifdef FEEDBACK
+            if (cell_area > 0.0) tell(level, (origin_page >> level) + steps);
+#endif
             sum += cell_sum / (coarser * coarser);
             area += cell_area / (coarser * coarser);
         }

@@ -3,6 +3,18 @@ layout(binding = 0) uniform sampler2DArray pages;        // decodes to linear li
 layout(binding = 1) uniform sampler2DArray coded_pages;  // the same texels as stored
 layout(binding = 2) uniform usampler2DArray page_table;
 
+#ifdef FEEDBACK
+layout(r32ui, binding = 0) uniform writeonly uimage2DArray feedback;
+bool gives_feedback = true;
+// The pages that this pixel wants, resident or not; those beyond their level's window nobody can show
+void tell(int level, ivec2 page) {
+    ivec2 away = page - (origin_page >> level);
+    int reach = window_side / 2;
+    if (gives_feedback && all(greaterThanEqual(away, ivec2(-reach))) && all(lessThan(away, ivec2(reach))))
+        imageStore(feedback, ivec3(page & (window_side - 1), level), uvec4(1u));
+}
+#endif
+
 const uint NOTHING = 0xffffffffu;
 const float GUTTER = 4.0;
 const float SLOT_SIDE = PAGE_SIDE + 2.0 * GUTTER;
@@ -37,6 +49,9 @@ bool find_place(int level, vec2 ground, out Place place) {
     ivec2 origin = origin_page >> level;
     ivec2 steps = clamp(ivec2(floor(local / PAGE_SIDE)), -origin, ivec2((1 << (top_level - level)) - 1) - origin);
     Cell cell;
+#ifdef FEEDBACK
+    tell(level, origin + steps);
+#endif
     if (!find_cell(level, steps, cell)) return false;
     place.layer = cell.layer;
     place.level = cell.level;

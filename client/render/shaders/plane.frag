@@ -61,6 +61,10 @@ void main() {
     vec2 to_edge = min(ground - extent_low, extent_high - ground);
     float covered = clamp(0.5 + min(to_edge.x, to_edge.y) / footprint.longer, 0.0, 1.0);
 
+#ifdef FEEDBACK
+    gives_feedback = covered > 0.0;
+#endif
+
 #ifdef STORED_TEXELS
     colour = covered < 0.5 ? vec4(0.0) : stored_texel(isotropic_level(footprint), ground);
 #else

@@ -14,7 +14,7 @@ vec4 supersampled(Footprint footprint, out float level) {
     int finer = int(floor(level));
     vec2 reach = abs(footprint.dx) + abs(footprint.dy);
     Near fine = find_near(finer, footprint.centre, reach);
-    Near coarse = find_near(min(finer + 1, top_level), footprint.centre, reach);
+    Near coarse = find_near(coarser_of(level), footprint.centre, reach);
     vec4 sum = vec4(0.0);
     // Two loops, since a software rasteriser runs what it skips too
     int near_samples = fine.serves && coarse.serves ? SUBSAMPLES * SUBSAMPLES : 0;

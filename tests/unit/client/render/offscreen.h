@@ -39,8 +39,8 @@ class Offscreen {
         for (int frame = 0; !update(camera, filter).is_sharp(); ++frame)
             if (frame > 1000) throw std::runtime_error{"never sharp"};
     }
-    Rgba8Image draw(const Camera& camera, const PlaneStyle& style = {}) {
-        if (const auto drawn = scene->draw(target, view(camera), style); !drawn)
+    Rgba8Image draw(const Camera& camera, const PlaneStyle& style = {}, GLuint feedback = 0) {
+        if (const auto drawn = scene->draw(target, view(camera), style, feedback); !drawn)
             throw std::runtime_error{drawn.error().detail};
         Rgba8Image image = target.read();
         if (const GLenum error = glGetError(); error != GL_NO_ERROR)

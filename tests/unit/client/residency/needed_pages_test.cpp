@@ -95,14 +95,19 @@ std::set<PageKey> footprint_pages(const PlaneView& view, Extent extent, const Sa
             const auto [top, bottom] = std::minmax({a.y, b.y, c.y, d.y});
             double finest = 0, coarsest = 0;
             if (sampling.kind == Sampling::Kind::line_integral) {
-                const double wide = std::max(right - left, 1.0), high = std::max(bottom - top, 1.0);
-                finest = coarsest = std::ceil(
-                    line_integral_level(std::min(wide, high), std::max(wide, high), sampling.columns));
+                const double wide = right - left, high = bottom - top;
+                if (std::min(wide, high) < 2) continue;  // grown to a texel: another formula
+                const double exact =
+                    line_integral_level(std::min(wide, high), std::max(wide, high), sampling.columns);
+                if (std::abs(exact - std::round(exact)) < 0.01) continue;  // either level is right
+                finest = coarsest = std::ceil(exact);
             } else {
                 const double longer = std::exp2(view.level_at(x + 0.5, y + 0.5));
                 const double shorter =
                     std::min(longer, std::hypot(b.x + c.x - a.x - d.x, b.y + c.y - a.y - d.y) / 2);
-                const double probes = std::min(std::ceil(longer / shorter), most_anisotropy);
+                const double ratio = longer / shorter;
+                if (std::abs(ratio - std::round(ratio)) < 0.01) continue;  // either count is right
+                const double probes = std::min(std::ceil(ratio), most_anisotropy);
                 finest = std::floor(std::log2(longer / probes));
                 coarsest = finest + 1;
             }
@@ -123,8 +128,8 @@ std::set<PageKey> footprint_pages(const PlaneView& view, Extent extent, const Sa
 TEST(NeededPages, OfLongFootprintsAreAllThatAnyPixelReadsAndNotManyMore) {
     std::mt19937_64 random{11};
     for (const Sampling sampling :
-         {Sampling{Sampling::Kind::anisotropic, 1}, Sampling{Sampling::Kind::line_integral, 1, 6},
-          Sampling{Sampling::Kind::line_integral, 1, 2}}) {
+         {Sampling{Sampling::Kind::anisotropic, 1}, Sampling{Sampling::Kind::driver_anisotropic},
+          Sampling{Sampling::Kind::line_integral, 1, 6}, Sampling{Sampling::Kind::line_integral, 1, 2}}) {
         std::size_t needed_count = 0, read_count = 0, missed = 0;
         for (int i = 0; i < 12; ++i) {
             const Extent extent{static_cast<std::uint8_t>(i % 3 == 0 ? 4 : i % 3 == 1 ? 30 : 12)};
@@ -148,7 +153,8 @@ TEST(NeededPages, OfLongFootprintsAreAllThatAnyPixelReadsAndNotManyMore) {
         }
         std::cout << read_count << " pages read, " << needed_count << " asked for, " << missed << " missed\n";
         EXPECT_EQ(missed, 0u);
-        EXPECT_GE(static_cast<double>(read_count), 0.6 * static_cast<double>(needed_count));
+        // Every fourth pixel was looked at, if its level is beyond doubt, and of these the middle only
+        EXPECT_GE(static_cast<double>(read_count), 0.7 * static_cast<double>(needed_count));
     }
 }
 

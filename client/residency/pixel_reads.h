@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "client/residency/plane_view.h"
+#include "client/residency/sampling.h"
+#include "shared/page/page_key.h"
+
+namespace tessera {
+
+using Quadrilateral = std::array<GroundPoint, 4>;  ///< Convex, its corners in order.
+
+/// Which pages the shaders read for a pixel, by their own formulas (client/render/shaders), in doubles. Where
+/// a float might fall on the other side of a border, both sides count.
+class PixelReads {
+  public:
+    /// The clip centre of `view` lies inside the extent. `view` outlives this.
+    PixelReads(const PlaneView& view, Extent extent, double lod_bias, const Sampling& sampling);
+
+    /// The pixel's middle sees the plane, below the horizon.
+    bool sees_plane(int y) const { return fall_at(y + 0.5) > 0; }
+
+    /// Adds the pages that pixel (x, y) reads, some perhaps twice; its row sees the plane.
+    void add_pages(int x, int y, std::vector<PageKey>& pages) const;
+
+    /// What pixels in [left, right) × [top, bottom) may read, at most a bit too much; all rows see the plane.
+    struct Bounds {
+        int finest = 0;  ///< Levels, clamped to the extent's
+        int coarsest = 0;
+        Quadrilateral ground{};
+    };
+    Bounds bounds(int left, int top, int right, int bottom) const;
+    /// Adds the pages of a level that a quadrilateral of the plane meets.
+    void add_pages(const Quadrilateral& ground, int level, std::vector<PageKey>& pages) const;
+
+  private:
+    struct Range {
+        double low = 0, high = 0;
+    };
+    /// A pixel's middle and sides on the plane.
+    struct Footprint {
+        GroundPoint middle, dx, dy;
+        double longer = 0, shorter = 0;
+    };
+    double fall_at(double y) const;
+    GroundPoint ground(double x, double y, double middle_y) const;
+    Footprint footprint(double x, double y) const;
+    Quadrilateral pixel_corners(const Footprint& footprint, double x, double y, double half) const;
+    double line_level(const Quadrilateral& corners) const;
+    void add_page(GroundPoint at, int level, std::vector<PageKey>& pages) const;
+    bool is_around(GroundPoint at, GroundPoint reach, int level, bool* surely) const;
+    void add_probes(const Footprint& footprint, double probes, GroundPoint side, int level,
+                    std::vector<PageKey>& pages) const;
+    void add_anisotropic(const Footprint& footprint, std::vector<PageKey>& pages) const;
+    void add_supersampled(const Footprint& footprint, double x, double y, std::vector<PageKey>& pages) const;
+    void add_line_integral(const Footprint& footprint, double x, double y, std::vector<PageKey>& pages) const;
+    int clamped(double level) const;
+
+    /// The eye's page of each level, and where in it the eye is, in texels of level 0.
+    struct Origin {
+        std::int64_t page_x = 0, page_y = 0;
+        double within_x = 0, within_y = 0;
+    };
+    const PlaneView& view_;
+    Extent extent_;
+    double lod_bias_;
+    Sampling sampling_;
+    std::array<Origin, max_level + 1> origins_{};
+};
+
+}  // namespace tessera
