@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "server/access/commands.h"
 #include "server/accuracy/commands.h"
 #include "server/bake/commands.h"
 #include "server/compare/commands.h"
@@ -20,6 +21,7 @@ int main(int argc, char** argv) {
     app.set_version_flag("--version", std::string{"tessera "} + TESSERA_VERSION);
     int exit_code = 0;
     tessera::add_serve_command(app, exit_code);
+    tessera::add_token_command(app, exit_code);
     tessera::add_prepare_command(app, exit_code);   // prepare, report
     tessera::add_bake_commands(app, exit_code);     // page, bake, check
     tessera::add_compare_commands(app, exit_code);  // quality, compare

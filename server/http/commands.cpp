@@ -68,7 +68,7 @@ void reload(Server& server, const ServerOptions& options, const std::stop_token&
         const auto site = load_site(options, stop);
         if (stop.stop_requested()) return;
         if (!site) return failed(site.error().detail);
-        server.publish(with_edits(server, *site->catalog), site->web);
+        server.publish(with_edits(server, *site->catalog), site->web, site->access);
         spdlog::info("reloaded: {} scenes", site->catalog->scenes.size());
     } catch (const std::exception& unexpected) {
         failed(unexpected.what());
@@ -102,7 +102,7 @@ Result<void> serve(ServeArguments& arguments) {
     const auto site = load_site(options, stop.get_token());
     if (stop.stop_requested()) return {};
     if (!site) return site.error();
-    (*server)->publish(with_edits(**server, *site->catalog), site->web);
+    (*server)->publish(with_edits(**server, *site->catalog), site->web, site->access);
     std::printf("tessera: listening on %s\n", address.c_str());
     std::fflush(stdout);
 
@@ -143,6 +143,8 @@ void add_serve_command(CLI::App& app, int& exit_code) {
         ->capture_default_str();
     command->add_option("--edits", options.edits.folder,
                         "Where the journals of edits are kept (default: .edits in the folder of scenes)");
+    command->add_option("--tokens", options.tokens,
+                        "Who may edit from elsewhere: a file that tessera token writes (default: nobody)");
     command->add_flag("--keep-no-edits", arguments->keep_no_edits, "Edits last as long as the server runs");
     command
         ->add_option("--max-connections", options.max_connections,

@@ -1,5 +1,6 @@
 #include "proto/edit.pb.h"
 
+#include "server/http/edit_access.h"
 #include "server/http/media_type.h"
 #include "server/http/routes.h"
 #include "shared/wire/json.h"
@@ -9,15 +10,6 @@ namespace tessera {
 namespace http = boost::beast::http;
 
 namespace {
-
-/// Whether a web page of somebody else's makes the request: browsers say from where, and a page that a person
-/// visits must not edit a server of theirs.
-bool is_foreign(const RequestHead& request) {
-    const std::string_view origin = request[http::field::origin];
-    if (origin.empty()) return false;
-    const std::size_t scheme = origin.find("://");
-    return scheme == std::string_view::npos || origin.substr(scheme + 3) != request.host;
-}
 
 unsigned status_of(EditRefusal::Why why) {
     switch (why) {
@@ -38,13 +30,12 @@ unsigned status_of(EditRefusal::Why why) {
 
 }  // namespace
 
-Routes::Outcome Routes::edit(const RequestHead& request, const Scene& scene) {
+Routes::Outcome Routes::edit(const RequestHead& request, const Scene& scene, const Access& access) {
     if (!request.is(http::verb::post))
         return text_answer(405, "text/plain; charset=utf-8", "edits are sent with POST\n",
                            "Cache-Control: no-store\r\nAllow: POST, OPTIONS\r\n");
-    if (!request.from_loopback) return refusal_answer({403, "edits are taken from this machine only", false});
-    if (is_foreign(request))
-        return refusal_answer({403, "Origin: pages of another site may not edit here", false});
+    auto allowed = may_edit(request, access);
+    if (const auto* refusal = std::get_if<Refusal>(&allowed)) return refusal_answer(*refusal);
     if (!request.query.empty()) return refusal_answer({400, "this address takes no parameters", false});
     const auto coding = wire_coding_of(request[http::field::content_type]);
     if (!coding)
@@ -53,16 +44,19 @@ Routes::Outcome Routes::edit(const RequestHead& request, const Scene& scene) {
     if (!answer) return refusal_answer({406, "Accept: application/x-protobuf or application/json", false});
     if (request.body_bytes > max_edit_bytes)
         return refusal_answer({413, "an edit has at most 256 KiB; send several", true});
-    return PendingEdit{scene.id, *coding, *answer};
+    return PendingEdit{scene.id, *coding, *answer, std::get<Access::Decision>(std::move(allowed))};
 }
 
-Result<proto::Edit> Routes::read_edit(const std::string& body, WireCoding coding) {
+Result<proto::Edit> Routes::read_edit(const std::string& body, const PendingEdit& pending) {
     proto::Edit edit;
-    if (coding == WireCoding::json) {
+    if (pending.coding == WireCoding::json) {
         if (auto read = read_json(body, "the edit", edit); !read) return read.error();
     } else if (!edit.ParseFromString(body)) {
         return Error{ErrorCode::invalid_input, "the edit: is no message of proto/edit.proto"};
     }
+    auto author = author_of(edit.author(), pending.allowed);
+    if (!author) return author.error();
+    edit.set_author(std::move(*author));
     return edit;
 }
 

@@ -26,6 +26,13 @@ Result<std::shared_ptr<const WebFiles>> read_web(const ServerOptions& options) {
     return fs::is_directory(folder, failure) ? WebFiles::read(folder) : WebFiles::plain();
 }
 
+Result<std::shared_ptr<const Access>> read_access(const ServerOptions& options) {
+    if (options.tokens.empty()) return std::make_shared<const Access>();
+    auto access = Access::load(options.tokens);
+    if (!access) return Error{access.error().code, "--tokens " + access.error().detail};
+    return std::make_shared<const Access>(std::move(*access));
+}
+
 /// Scenes that can be served. A folder of which nothing can be served is an error.
 Result<std::shared_ptr<const Catalog>> read_scenes(const ServerOptions& options,
                                                    const std::stop_token& stop) {
@@ -78,11 +85,13 @@ std::string without_folder(std::string message, const fs::path& folder, const st
 Result<LoadedSite> load_site(const ServerOptions& options, const std::stop_token& stop) {
     // Input never throws on purpose, but memory may run out, and a server goes on with what it has
     try {
+        auto access = read_access(options);
+        if (!access) return access.error();
         auto web = read_web(options);
         if (!web) return web.error();
         auto catalog = read_scenes(options, stop);
         if (!catalog) return catalog.error();
-        return LoadedSite{std::move(*catalog), std::move(*web)};
+        return LoadedSite{std::move(*catalog), std::move(*web), std::move(*access)};
     } catch (const std::bad_alloc&) {
         return Error{ErrorCode::io_failure, "there is not enough memory to load the scenes and the web page"};
     } catch (const std::exception& unexpected) {

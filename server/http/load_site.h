@@ -4,6 +4,7 @@
 #include <stop_token>
 #include <string>
 
+#include "server/access/access.h"
 #include "server/http/server_options.h"
 #include "server/http/web_files.h"
 #include "server/scene/scene.h"
@@ -15,11 +16,12 @@ namespace tessera {
 struct LoadedSite {
     std::shared_ptr<const Catalog> catalog;  ///< At least one scene.
     std::shared_ptr<const WebFiles> web;
+    std::shared_ptr<const Access> access;
 };
 
-/// Reads the scenes and the web page, and logs what it found. Looks at `stop` between scenes. Never throws.
-/// Errors: invalid_input, io_failure, which also stands for a lack of memory, cancelled; the message names
-/// the option.
+/// Reads the tokens, the web page and the scenes, and logs what it found. Looks at `stop` between scenes.
+/// Never throws. Errors: invalid_input, io_failure, which also stands for a lack of memory, cancelled; the
+/// message names the option.
 Result<LoadedSite> load_site(const ServerOptions& options, const std::stop_token& stop);
 
 /// `message` with the paths below `folder` made relative to it, since /scenes shows messages to everybody.

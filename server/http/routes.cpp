@@ -36,7 +36,7 @@ Answer options_answer(std::string_view path) {
         return text_answer(204, {}, {},
                            "Allow: POST, OPTIONS\r\n"
                            "Access-Control-Allow-Methods: POST, OPTIONS\r\n"
-                           "Access-Control-Allow-Headers: Accept, Content-Type\r\n"
+                           "Access-Control-Allow-Headers: Accept, Authorization, Content-Type\r\n"
                            "Access-Control-Max-Age: 86400\r\n");
     return text_answer(204, {}, {},
                        "Allow: GET, HEAD, OPTIONS\r\n"
@@ -68,7 +68,7 @@ Routes::Outcome Routes::route(const RequestHead& request, const Site& site) {
     }
     if (segments->size() == 3 && segments->back() == "edits") {
         const ScenePtr scene = site.catalog->find((*segments)[1]);
-        return scene ? edit(request, *scene) : refusal_answer(no_such_scene((*segments)[1]));
+        return scene ? edit(request, *scene, *site.access) : refusal_answer(no_such_scene((*segments)[1]));
     }
     if (!request.query.empty()) return refusal_answer({400, "this address takes no parameters", false});
     if (segments->size() == 1) return scene_list(request, *site.catalog);

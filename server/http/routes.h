@@ -7,6 +7,7 @@
 
 #include <prometheus/registry.h>
 
+#include "server/access/access.h"
 #include "server/edits/edit_service.h"
 #include "server/http/address.h"
 #include "server/http/answer.h"
@@ -22,6 +23,7 @@ namespace tessera {
 struct Site {
     std::shared_ptr<const Catalog> catalog;  ///< Null while the scenes are loading.
     std::shared_ptr<const WebFiles> web;
+    std::shared_ptr<const Access> access = std::make_shared<const Access>();
     bool draining = false;
 };
 
@@ -42,6 +44,7 @@ struct PendingEdit {
     std::string scene;
     WireCoding coding{};  ///< Of the body.
     WireCoding answer_coding{};
+    Access::Decision allowed{};
 };
 
 /// Request -> answer, or the page that will be it. Pure but for counters and the cache: no sockets, nothing
@@ -67,11 +70,11 @@ class Routes {
     static constexpr std::size_t max_edit_bytes = std::size_t{256} << 10;
 
     /// The edit in a body, or the answer that says what is wrong with it.
-    static Result<proto::Edit> read_edit(const std::string& body, WireCoding coding);
+    static Result<proto::Edit> read_edit(const std::string& body, const PendingEdit& pending);
     static Answer edit_answer(const EditOutcome& outcome, WireCoding coding);
 
   private:
-    Outcome edit(const RequestHead& request, const Scene& scene);
+    Outcome edit(const RequestHead& request, const Scene& scene, const Access& access);
     Outcome sample(const RequestHead& request, const ScenePtr& scene);
     static Answer page_not_modified(PageId id, const PageOptions& options, bool pinned);
     Outcome page(const RequestHead& request, const Site& site, const std::vector<std::string>& segments);

@@ -63,7 +63,8 @@ void Server::on_every_thread(Job job) {
     if (failure) std::rethrow_exception(failure);
 }
 
-void Server::publish(std::shared_ptr<const Catalog> catalog, std::shared_ptr<const WebFiles> web) {
+void Server::publish(std::shared_ptr<const Catalog> catalog, std::shared_ptr<const WebFiles> web,
+                     std::shared_ptr<const Access> access) {
     const std::lock_guard lock{publishing_};
     if (stopped_) return;
     metrics_.scenes.Set(static_cast<double>(catalog->scenes.size()));
@@ -71,6 +72,7 @@ void Server::publish(std::shared_ptr<const Catalog> catalog, std::shared_ptr<con
     on_every_thread([&](SessionContext& context) {
         context.site.catalog = catalog;
         context.site.web = web;
+        context.site.access = access;
     });
     samples_.forget_scenes();
 }

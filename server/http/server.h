@@ -35,7 +35,8 @@ class Server {
 
     /// Serves these from now on, in place of what was served before. Returns when every I/O thread does. Does
     /// nothing once the server is stopping.
-    void publish(std::shared_ptr<const Catalog> catalog, std::shared_ptr<const WebFiles> web);
+    void publish(std::shared_ptr<const Catalog> catalog, std::shared_ptr<const WebFiles> web,
+                 std::shared_ptr<const Access> access = std::make_shared<const Access>());
 
     /// Accepts nothing more, lets answers in flight finish within the grace period, ends the rest.
     /// Idempotent.

@@ -42,6 +42,7 @@ struct ServerOptions {
     PageServiceLimits pages;
     SampleServiceLimits samples;
     EditOptions edits;
+    std::filesystem::path tokens;  ///< Who may edit from elsewhere (Access::load). Empty: nobody.
 };
 
 }  // namespace tessera

@@ -210,7 +210,7 @@ Task<bool> Session::wait_for_edit(PendingEdit pending, const RequestHead& reques
         const Answer answer = body_refusal(end);
         co_return co_await send(answer, true, false);
     }
-    auto edit = Routes::read_edit(body, pending.coding);
+    auto edit = Routes::read_edit(body, pending);
     if (!edit) {
         const Answer answer = refusal_answer({400, edit.error().detail, false});
         co_return co_await send(answer, true, request.keep_alive);

@@ -1,90 +1,17 @@
 // Edits over a real socket: what an editor sees, and what is there after the server was killed.
 #include <chrono>
-#include <fstream>
 #include <thread>
 
-#include <gtest/gtest.h>
 #include <signal.h>
 
-#include "proto/edit.pb.h"
-
-#include "server/files/whole_file.h"
-#include "server/journal/edit_id.h"
-#include "server/scene/png_file.h"
-#include "shared/math/hash.h"
-#include "shared/wire/json.h"
-#include "tests/end_to_end/server/program.h"
-#include "tests/end_to_end/server/raw_client.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/end_to_end/edits/edited_scenes.h"
 
 namespace tessera {
 namespace {
 
-using test::Program;
-using test::RawClient;
-using test::Reply;
+using namespace test;
 
-const std::string json_type = "Content-Type: application/json\r\n";
-
-/// A folder with two scenes: `sprites`, four patterns over a checker, and `board`, which takes no edits.
-class Edits : public testing::Test {
-  protected:
-    void SetUp() override {
-        std::vector<std::uint8_t> texels;
-        for (std::int64_t i = 0; i < 16 * 64 * 4; ++i)
-            texels.push_back(static_cast<std::uint8_t>(hash(4, 4, i, 0)));
-        write("sprites/patterns.png", to_png(16, 64, PngColor::rgba, 8, texels));
-        write("sprites/scene.json", std::string{R"({"checker": {"cell_texels": 8}, "extent_log2_pages": 6,
-            "sprites": {"patterns": {"image": "patterns.png", "side_texels": 16}}})"});
-        write("board/scene.json", std::string{R"({"checker": {"cell_texels": 8}})"});
-    }
-    template <class Bytes>
-    void write(const std::string& name, const Bytes& bytes) const {
-        const std::filesystem::path file = folder.path / name;
-        std::filesystem::create_directories(file.parent_path());
-        std::ofstream{file, std::ios::binary}.write(reinterpret_cast<const char*>(bytes.data()),
-                                                    static_cast<std::streamsize>(bytes.size()));
-    }
-    Program serve(const std::string& more = "--keep-no-edits") const {
-        std::vector<std::string> words{"serve", "--scenes", folder.path.string(), "--listen", "127.0.0.1:0"};
-        if (!more.empty()) words.push_back(more);
-        return Program{words};
-    }
-    tests::TemporaryFolder folder;
-};
-
-std::string post(const std::string& scene, const std::string& body, const std::string& fields = json_type) {
-    return "POST /scenes/" + scene +
-           "/edits HTTP/1.1\r\nHost: here:7070\r\nContent-Length: " + std::to_string(body.size()) + "\r\n" +
-           fields + "\r\n" + body;
-}
-
-std::optional<Reply> send(RawClient& client, const proto::Edit& edit) {
-    if (!client.send(post("sprites", write_brief_json(edit)))) return std::nullopt;
-    return client.receive();
-}
-
-proto::EditAnswer answer_in(const Reply& reply) {
-    EXPECT_EQ(reply.status, 200) << reply.body;
-    proto::EditAnswer answer;
-    EXPECT_TRUE(read_json(reply.body, "answer", answer));
-    return answer;
-}
-
-proto::Edit new_edit() {
-    proto::Edit edit;
-    edit.set_id(to_string(random_edit_id()));
-    return edit;
-}
-
-proto::Edit placing(std::uint64_t id, double x, double y) {
-    proto::Edit edit = new_edit();
-    proto::SpritePlacement& sprite = *edit.add_changes()->mutable_place_sprite();
-    sprite.set_id(id);
-    sprite.set_x(x);
-    sprite.set_y(y);
-    return edit;
-}
+class Edits : public EditedScenes {};
 
 const std::string near_page = "/scenes/sprites/6/0/0.png", far_page = "/scenes/sprites/6/9/9.png",
                   coarse_page = "/scenes/sprites/2/0/0.png";
@@ -166,13 +93,13 @@ TEST_F(Edits, WhatIsWrongIsNamedAndTheConnectionGoesOn) {
     EXPECT_EQ(refused("sprites", good, "Content-Type: application/x-www-form-urlencoded\r\n"), 415);
     EXPECT_EQ(refused("sprites", good, json_type + "Origin: http://evil.example\r\n"), 403);
     EXPECT_EQ(refused("sprites", good, json_type + "Origin: null\r\n"), 403);
-    EXPECT_EQ(refused("sprites", good, json_type + "X-Forwarded-For: 10.0.0.1\r\n"), 403);
+    EXPECT_EQ(refused("sprites", good, json_type + "X-Forwarded-For: 10.0.0.1\r\n"), 401);
     EXPECT_EQ(refused("sprites", std::string(300'000, ' '), json_type), 413);
     EXPECT_EQ(client.get("/scenes/sprites/edits")->status, 405);
     // A page of this very server may edit
     proto::Edit second = placing(2, 100, 100);
-    EXPECT_TRUE(
-        client.send(post("sprites", write_brief_json(second), json_type + "Origin: http://here:7070\r\n")));
+    EXPECT_TRUE(client.send(
+        post("sprites", write_brief_json(second), json_type + "Origin: http://localhost:7070\r\n")));
     EXPECT_EQ(answer_in(client.receive().value()).revision(), 2u);
 }
 
@@ -195,7 +122,7 @@ TEST_F(Edits, EveryEditThatWasAcknowledgedIsThereOnceAfterFiftyKills) {
     std::optional<proto::Edit> unanswered = all;
     std::uint64_t drawn = 0, again = 0;
     for (int kill = 0; kill < 50; ++kill) {
-        Program program = serve("");
+        Program program = serve({});
         const std::uint16_t port = program.port();
         ASSERT_NE(port, 0) << program.errors();
         RawClient client{port};
@@ -221,7 +148,7 @@ TEST_F(Edits, EveryEditThatWasAcknowledgedIsThereOnceAfterFiftyKills) {
     ASSERT_GT(acknowledged.size(), 50u);
 
     // A server that was never killed, given the same edits, shows the same pages
-    Program lived = serve("");
+    Program lived = serve({});
     RawClient survivor{lived.port()};
     const auto pages = [](RawClient& client) {
         std::string bytes;
