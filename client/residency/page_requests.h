@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -67,6 +68,8 @@ class PageRequests {
     }
 
     std::size_t in_flight() const { return under_way_.size(); }
+    /// How many more pages may be under way now.
+    std::size_t room() const { return window_.answers() - std::min(window_.answers(), under_way_.size()); }
     bool is_under_way(PageKey page) const { return id_of_.contains(page); }
     const CreditWindow& window() const { return window_; }
     const RequestCounts& counts() const { return counts_; }

@@ -3,49 +3,75 @@
 #include <algorithm>
 
 namespace tessera {
+namespace {
+
+constexpr double first_of_all = 1e15;  ///< More than any pixels × levels.
+constexpr double in_order = 1e12;
+constexpr int step_levels = 2;
+
+bool covers(PageKey coarse, PageKey fine) {
+    const int levels = coarse.level - fine.level;
+    return levels >= 0 && fine.x >> levels == coarse.x && fine.y >> levels == coarse.y;
+}
+
+}  // namespace
 
 void PageWants::gain(PageKey page, double more, Urgency urgency) {
     Want& want = wants_[page];
     want.gain += more;
+    want.expected += more;
     want.urgency = std::min(want.urgency, urgency);
 }
 
-/// A missing page gains its pixels × the levels that are missing there. Where many levels are missing, every
-/// second level on the way is wanted too: few coarse pages serve many pixels, so they come first by their
-/// gain.
+/// The missing page, and where many levels are missing, every second level on the way: few coarse pages serve
+/// many pixels.
+template <class Visit>
+void PageWants::for_steps(const Missing& missing, Visit visit) const {
+    visit(missing.page);
+    for (PageKey step = missing.page;
+         step.level + step_levels < missing.shown && step.level < table_.extent().n;) {
+        step = parent(step);
+        if (step.level % step_levels == 0 && step.level >= missing.page.level + step_levels) visit(step);
+    }
+}
+
+/// What each of a missing page's steps gains while the level `before` is shown there.
+void PageWants::count(const Missing& missing, int before, double sign) {
+    for_steps(missing, [&](PageKey step) {
+        if (step.level < before) wants_[step].expected += sign * missing.pixels * (before - step.level);
+    });
+}
+
 void PageWants::add(const std::vector<NeededPage>& needed, double weight, bool in_view) {
     const int nothing = table_.extent().n + 1;
     for (const NeededPage& page : needed) {
         const auto shown = table_.shown_for(page.key);
-        const int shown_level = shown ? shown->level : nothing;
+        const int level = shown ? shown->level : nothing;
         const double pixels = weight * page.pixels;
         if (shown) {
             PageKey at = page.key;
-            while (at.level < shown_level) at = parent(at);
+            while (at.level < level) at = parent(at);
             // The right page of an older version is as bad as two levels missing; a cover is replaced anyway
             if (versions_.is_stale(at, step_))
                 gain(at, pixels * (at == page.key ? 2 : 0.25), in_view ? Urgency::renew : Urgency::prefetch);
         }
-        if (shown_level == page.key.level) continue;
-        const int missing = shown_level - page.key.level;
-        const Urgency urgency = !in_view      ? Urgency::prefetch
-                                : missing > 2 ? Urgency::missing
-                                              : Urgency::sharpen;
-        gain(page.key, pixels * missing, urgency);
-        for (PageKey step = page.key; step.level + 2 < shown_level && step.level < table_.extent().n;) {
-            step = parent(step);
-            if (step.level % 2 == 0 && step.level >= page.key.level + 2)
-                gain(step, pixels * (shown_level - step.level),
-                     in_view ? Urgency::missing : Urgency::prefetch);
-        }
+        if (level == page.key.level) continue;
+        Missing missing{page.key, pixels, level, level, Urgency::prefetch};
+        if (in_view) missing.urgency = level - page.key.level > 2 ? Urgency::missing : Urgency::sharpen;
+        for_steps(missing, [&](PageKey step) {
+            Want& want = wants_[step];
+            want.gain += pixels * (level - step.level);
+            want.urgency = std::min(want.urgency, missing.urgency);
+            if (is_under_way_(step)) missing.expected = std::min<int>(missing.expected, step.level);
+        });
+        count(missing, missing.expected, 1);
+        missing_.push_back(missing);
     }
 }
 
-/// First of all, the coarsest first.
-void PageWants::add_cover(PageKey page) {
-    constexpr double first_of_all = 1e12;
-    gain(page, first_of_all * (page.level + 1), Urgency::cover);
-}
+void PageWants::add_first(PageKey page) { gain(page, 2 * first_of_all, Urgency::cover); }
+
+void PageWants::add_cover(PageKey page) { gain(page, 1, Urgency::prefetch); }
 
 void PageWants::add_next(PageKey page, double pixels, Step until) {
     if (wants_.contains(page)) return;
@@ -53,7 +79,35 @@ void PageWants::add_next(PageKey page, double pixels, Step until) {
     wants_[page].step = until;
 }
 
-std::vector<WantedPage> PageWants::take() const {
+/// As if the page had come.
+void PageWants::expect(PageKey page) {
+    for (Missing& missing : missing_) {
+        if (page.level >= missing.expected || !covers(page, missing.page)) continue;
+        count(missing, missing.expected, -1);
+        missing.expected = page.level;
+        count(missing, missing.expected, 1);
+    }
+}
+
+std::vector<WantedPage> PageWants::take(std::size_t first) {
+    std::vector<PageKey> order;
+    for (std::size_t rank = 0; rank < first; ++rank) {
+        const PageKey* best = nullptr;
+        const Want* most = nullptr;
+        for (const auto& [page, want] : wants_) {
+            if (want.expected <= 1e-9 || is_under_way_(page)) continue;
+            if (most && (want.expected < most->expected || (want.expected == most->expected && page < *best)))
+                continue;
+            best = &page;
+            most = &want;
+        }
+        if (!best) break;
+        const PageKey page = *best;
+        wants_[page].gain += in_order * static_cast<double>(first - rank);
+        wants_[page].expected = 0;
+        expect(page);
+        wants_[page].expected = -1e300;  // taken
+    }
     std::vector<WantedPage> wanted;
     wanted.reserve(wants_.size());
     for (const auto& [page, want] : wants_) {

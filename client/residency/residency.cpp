@@ -166,22 +166,22 @@ std::optional<SlotUpload> Residency::place(ArrivedPage arrived, const FrameTime&
 
 std::vector<WantedPage> Residency::wanted(const PlaneView& view, const std::vector<NeededPage>& needed,
                                           const FrameTime& time, const Sampling& sampling) {
-    PageWants wants{table_, versions_, time.step};
+    PageWants wants{table_, versions_, time.step, [&](PageKey page) { return requests_.is_under_way(page); }};
     const CreditWindow& window = requests_.window();
-    const ClientTime ahead = window.round_trip() + window.frame_time();
+    const ClientTime ahead = (window.round_trip() + window.frame_time()) * 3 / 2;
     wants.add(needed, 1, true);
     if (const auto camera = settings_.prefetch ? motion_.in(ahead, extent_) : std::nullopt) {
-        constexpr double weight = 0.5;  // of what may come, against what is
         std::vector<NeededPage> soon =
             needed_pages(PlaneView{*camera, view.width(), view.height()}, extent_, lod_bias_, sampling);
         std::erase_if(soon, [&](const NeededPage& page) { return !table_.in_window(page.key); });
-        wants.add(soon, weight, false);
+        wants.add(soon, 1, false);
     }
     for (int level = extent_.n; level >= 0 && is_pinned({static_cast<std::uint8_t>(level), 0, 0}); --level) {
         const auto l = static_cast<std::uint8_t>(level);
         for (std::uint32_t y = 0; y < extent_.side_pages(l); ++y)
             for (std::uint32_t x = 0; x < extent_.side_pages(l); ++x)
-                if (!cache_.find({l, x, y})) wants.add_cover({l, x, y});
+                if (!cache_.find({l, x, y}))
+                    level == extent_.n ? wants.add_first({l, x, y}) : wants.add_cover({l, x, y});
     }
     if (time.steps_per_second > 0) {
         // The next interval's texels are under way when this one ends, and are there a frame before
@@ -200,7 +200,7 @@ std::vector<WantedPage> Residency::wanted(const PlaneView& view, const std::vect
                 wants.add_next(page.key, page.pixels, held->validity.until);
         }
     }
-    return wants.take();
+    return wants.take(requests_.room());
 }
 
 /// News are wanted of what the table's windows reach, and some pages around, so that not each step of the
