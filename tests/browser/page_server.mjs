@@ -20,7 +20,7 @@ export async function start_page_server({web, n = 4, port = 0, channels = undefi
     const url = new URL(request.url ?? '/', 'http://127.0.0.1');
     requests.push(url.pathname + url.search);
     const json = (value) => response.setHeader('content-type', 'application/json').end(JSON.stringify(value));
-    const page = url.pathname.match(/^\/scenes\/tints\/(?:r\d+-[0-9a-f]+\/)?(\d+)\/(\d+)\/(\d+)\.png$/);
+    const page = url.pathname.match(/^\/scenes\/tints\/(?:r\d+-[0-9a-f]+\/|without-[\d,]+\/)?(\d+)\/(\d+)\/(\d+)\.png$/);
     if (url.pathname === '/healthz') return response.end('ok');
     if (url.pathname === '/scenes') return json({scenes: [{id: 'tints', title: 'Tints', texture: 'constant', extent_log2_pages: n}]});
     if (url.pathname === '/scenes/tints') {

@@ -47,3 +47,17 @@ export function grey_picture(width, height, grey_at) {
   const signature = Buffer.from('\x89PNG\r\n\x1a\n', 'latin1');
   return Buffer.concat([signature, chunk('IHDR', header), chunk('IDAT', deflateSync(Buffer.concat(rows))), chunk('IEND', Buffer.alloc(0))]);
 }
+
+/** A PNG of 256×256 texels with straight alpha. @param {(x: number, y: number) => number[]} rgba_at */
+export function page_of_texels(rgba_at) {
+  const header = Buffer.alloc(13);
+  header.writeUInt32BE(256, 0);
+  header.writeUInt32BE(256, 4);
+  header.set([8, 6, 0, 0, 0], 8); // 8 bits, RGBA, no interlace
+  const rows = Buffer.alloc(256 * 1025);
+  for (let y = 0; y < 256; ++y) {
+    for (let x = 0; x < 256; ++x) rows.set(rgba_at(x, y), y * 1025 + 1 + x * 4);
+  }
+  const signature = Buffer.from('\x89PNG\r\n\x1a\n', 'latin1');
+  return Buffer.concat([signature, chunk('IHDR', header), chunk('IDAT', deflateSync(rows, {level: 1})), chunk('IEND', Buffer.alloc(0))]);
+}

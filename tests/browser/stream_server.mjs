@@ -8,13 +8,28 @@ import {flat_page} from './png.mjs';
 /** The colour of a page at one of its revisions. */
 export const colour_at = (level, x, y, revision) => [40 + ((x * 53 + revision * 37) % 160), 40 + ((y * 97 + revision * 59) % 160), 40 + ((level * 31 + revision * 83) % 160)];
 
+/** The pages of all levels up to n that meet boxes of texels. */
+export function box_pages(boxes, n) {
+  const pages = new Map();
+  for (const {x0, y0, x1, y1} of boxes) {
+    for (let level = 0; level <= n; ++level) {
+      const size = 256 * 2 ** level;
+      for (let y = Math.floor(y0 / size); y * size < y1; ++y) {
+        for (let x = Math.floor(x0 / size); x * size < x1; ++x) pages.set(`${level}/${x}/${y}`, {level, x, y});
+      }
+    }
+  }
+  return [...pages.values()];
+}
+
 /**
  * @param {{web: string, n?: number, port?: number, page_delay?: number, revision?: number, hello?: object, clock?: object, info?: object,
- *   edit?: (edit: any, tools: {done: (value: object) => void, refuse: (value: object) => void}) => void}} options
+ *   answer_other?: (response: any, url: URL) => boolean, page_of?: (level: number, x: number, y: number, url: URL) => Buffer, edit?: (edit: any, tools: {done: (value: object) => void, refuse: (value: object) => void}) => void}} options
  */
-export async function start_stream_server({web, n = 4, port = 0, page_delay = 0, revision = 0, hello = {}, clock = {}, info = {}, edit = undefined, answer_other = () => false}) {
+export async function start_stream_server({web, n = 4, port = 0, page_delay = 0, revision = 0, hello = {}, clock = {}, info = {}, edit = undefined, page_of = undefined, answer_other = () => false}) {
   const own = new Map();
-  const scene = {revision, page_delay, hello, refuse_streams: false};
+  const scene = {revision, page_delay, hello, refuse_streams: false, swallow: 0};
+  const edit_ids = [];
   /** @type {Set<any>} */
   const clients = new Set();
   let sessions = 0;
@@ -25,6 +40,7 @@ export async function start_stream_server({web, n = 4, port = 0, page_delay = 0,
   const answer_page = async ({z, x, y}, response, url) => {
     const level = n - z;
     const key = `${level}/${x}/${y}`;
+    const picture = page_of?.(level, x, y, url);  // as it is now, however late it comes
     const pinned = url.pathname.match(/\/r(\d+)-/)?.[1];
     under_way.set(key, (under_way.get(key) ?? 0) + 1);
     most.set(key, Math.max(most.get(key) ?? 0, under_way.get(key)));
@@ -34,7 +50,7 @@ export async function start_stream_server({web, n = 4, port = 0, page_delay = 0,
     response.setHeader('cache-control', 'no-store');
     if (pinned !== undefined && Number(pinned) < now) return response.writeHead(410).end(`the page has changed at revision ${now}`) && true;
     response.setHeader('content-type', 'image/png').setHeader('tessera-revision', String(now));
-    response.end(flat_page(colour_at(level, x, y, now)));
+    response.end(picture ?? flat_page(colour_at(level, x, y, now)));
     return true;
   };
   const server = await start_page_server({web, n, port, clock, answer_page, answer_other, info: () => ({stream: '/scenes/tints/stream', revision: String(scene.revision), fingerprint: 'abc', ...info})});
@@ -70,6 +86,8 @@ export async function start_stream_server({web, n = 4, port = 0, page_delay = 0,
       }
       if (kind === 'ping') tell(client, 'pong', {payload: value.payload});
       if (kind === 'edit') {
+        edit_ids.push(value.id);
+        if (scene.swallow-- > 0) return;
         edit?.(value, {
           done: (done) => tell(client, 'editDone', {id: value.id, session: BigInt(client.session), author: value.author, ...done}),
           refuse: (refusal) => tell(client, 'editRefused', {id: value.id, ...refusal}),
@@ -78,8 +96,19 @@ export async function start_stream_server({web, n = 4, port = 0, page_delay = 0,
     });
   });
 
+  /** These pages, at the next revision. @param {{level: number, x: number, y: number}[]} pages */
+  const touch = (pages, tell_more = () => {}) => {
+    const at = ++scene.revision;
+    for (const {level, x, y} of pages) own.set(`${level}/${x}/${y}`, at);
+    for (const client of clients) {
+      const stale = pages.filter((page) => watches(client, page)).map(({level, x, y}) => ({level, x: [BigInt(x)], y: [BigInt(y)], revision: [BigInt(at)]}));
+      tell(client, 'invalidation', {revision: BigInt(at), stale});
+    }
+    tell_more(at);
+  };
+
   return {
-    ...server, scene, clients, most, own,
+    ...server, touch, edit_ids, scene, clients, most, own,
     /** The pages of all levels that hold a page of level 0, at the next revision. */
     change(x, y, {quiet = false, done = {}} = {}) {
       const at = ++scene.revision;

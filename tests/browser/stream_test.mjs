@@ -159,7 +159,7 @@ test('shows who else is here, where they are, and that they left', async (t) => 
   await page.getByRole('textbox', {name: 'You', exact: true}).fill('Ben');
   await page.keyboard.press('Enter');
   await page.mouse.move(700, 450);
-  for (let i = 0; i < 100 && ![...server.clients].some(({name, heard}) => name === 'Ben' && heard.some(({kind}) => kind === 'presence')); ++i) {
+  for (let i = 0; i < 100 && ![...server.clients].some(({name, heard}) => name === 'Ben' && heard.some(({kind, value}) => kind === 'presence' && value.x > 1000)); ++i) {
     await page.waitForTimeout(50);
     await page.mouse.move(700 + (i % 2), 450);
   }

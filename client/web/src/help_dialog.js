@@ -11,11 +11,40 @@ const shortcuts = [
   ['Slice', [',', '.'], 'before and next, if the scene has a third dimension'],
   ['Pause or play', ['P'], 'if the scene moves'],
   ['Step', ['[', ']'], 'back and on, if the scene moves'],
+  ['Edit', ['E'], 'if sprites lie in the scene and you may'],
   ['Full screen', ['F'], ''],
   ['Copy a link to this view', ['C'], ''],
   ['List of scenes', ['L'], ''],
   ['This help', ['H'], ''],
 ];
+
+const editing = [
+  ['Place a pattern', ['1', '–', '9'], 'or pick one, then click'],
+  ['Select and move', ['V'], 'Shift and click adds, Shift and drag frames several'],
+  ['Undo, redo', ['Ctrl+Z', 'Ctrl+⇧+Z'], ''],
+  ['Nudge', ['←', '↑', '→', '↓'], 'with Shift: ten times as far'],
+  ['Turn', ['R'], 'with Shift: the other way'],
+  ['Front, back', ['PgUp', 'PgDn'], ''],
+  ['Duplicate', ['Ctrl+D'], ''],
+  ['Select all in view', ['Ctrl+A'], ''],
+  ['Delete', ['Del'], ''],
+  ['Let go, deselect, leave', ['Esc'], ''],
+];
+
+/** @param {any[][]} keys */
+const key_list = (keys) =>
+  element(
+    'dl',
+    {},
+    ...keys.map(([what, names, note]) =>
+      element(
+        'div',
+        {},
+        element('dt', {}, element('span', {text: what}), note && element('small', {text: note})),
+        element('dd', {}, ...names.map((/** @type {string} */ key) => element('kbd', {text: key}))),
+      ),
+    ),
+  );
 
 /** Keyboard, mouse and touch, in a modal dialog: Escape closes it. */
 export function help_dialog() {
@@ -23,18 +52,9 @@ export function help_dialog() {
   const close = icon_button('Close', 'close', () => dialog.close());
   dialog.append(
     element('header', {}, element('h2', {id: 'help-title', text: 'Getting around'}), close),
-    element(
-      'dl',
-      {},
-      ...shortcuts.map(([what, keys, note]) =>
-        element(
-          'div',
-          {},
-          element('dt', {}, element('span', {text: what}), note && element('small', {text: note})),
-          element('dd', {}, ...keys.map((key) => element('kbd', {text: key}))),
-        ),
-      ),
-    ),
+    key_list(shortcuts),
+    element('h3', {text: 'While editing'}),
+    key_list(editing),
     element(
       'p',
       {},

@@ -77,6 +77,11 @@ export class Texture {
     return this.#url(this.template_now, page, options);
   }
 
+  /** The path of a page without some sprites. @param {PageKey} page @param {PageOptions} options @param {bigint[]} sprites @returns {string} */
+  page_url_without(page, options, sprites) {
+    return this.#url(this.template_now.replace('/{z}', `/without-${sprites.join(',')}/{z}`), page, options);
+  }
+
   /** The server's own defaults stay unsaid. @param {string} template @param {PageKey} page @param {PageOptions} options */
   #url(template, {level, x, y}, {format, accuracy, channels = usual_channels, slice = 0, step = 0}) {
     const path = template

@@ -1,10 +1,13 @@
 import OlMap from 'ol/Map.js';
 import View from 'ol/View.js';
+import DoubleClickZoom from 'ol/interaction/DoubleClickZoom.js';
+import DragZoom from 'ol/interaction/DragZoom.js';
 import {defaults as default_interactions} from 'ol/interaction/defaults.js';
 
 import {format_address} from './address.js';
 import {channel_name, channels_chosen, ChannelSelector, usual_channels} from './channels.js';
 import {element, icon, icon_button, mark} from './dom.js';
+import {Editor} from './edit/editor.js';
 import {go_to_box} from './go_to.js';
 import {listen_to_keys} from './keyboard.js';
 import {level_range, LevelRail} from './level_rail.js';
@@ -85,6 +88,7 @@ export class Viewer {
   close() {
     this.#closed.abort();
     this.player.close();
+    this.editor.close();
     this.live.close();
     clearTimeout(this.#settle);
     clearTimeout(this.#record);
@@ -137,7 +141,7 @@ export class Viewer {
     const map = new OlMap({
       controls: [],
       interactions: default_interactions({altShiftDragRotate: false, pinchRotate: false, keyboard: false}),
-      layers: [this.#pages, this.#grid],
+      layers: [this.#pages, this.editor.layer, this.#grid],
       view: new View({
         projection: texel_projection(this.texture),
         center: [side / 2, -side / 2],
@@ -171,6 +175,8 @@ export class Viewer {
       role: 'application',
       'aria-label': `${texture.title}. Arrow keys move, plus and minus zoom, H shows every key.`,
     });
+    this.editor = this.#make_editor();
+    this.#pages.instead = (page) => this.editor.instead(page);
     this.read_out = new ReadOut(() => this.#retry());
     this.read_out.element.append(this.live.sign.element);
     this.scale_bar = new ScaleBar();
@@ -224,6 +230,7 @@ export class Viewer {
           'div',
           {class: 'panel tools', role: 'toolbar', 'aria-label': 'Tools'},
           this.go_to.element,
+          this.editor.button,
           this.grid_button,
           this.menu.element,
           icon_button('Copy a link to this view (C)', 'link', () => this.#copy_link()),
@@ -232,14 +239,43 @@ export class Viewer {
         ),
       ),
       this.rail.element,
+      this.editor.palette.element,
       element(
         'div',
         {class: 'lower'},
+        this.editor.bar.element,
         element('div', {class: 'above-read-out'}, this.scale_bar.element, texture.attribution && element('p', {class: 'attribution', text: texture.attribution})),
         this.read_out.element,
       ),
       this.live.sign.drawer,
     );
+  }
+
+  #make_editor() {
+    return new Editor(this.live, {
+      texture: this.texture, store: this.#store, canvas: this.canvas,
+      options: () => this.#request(),
+      smooth: () => this.options.texels === 'smooth',
+      step: () => this.step,
+      texel_at: (pixel) => {
+        const coordinate = this.#map.getCoordinateFromPixel(pixel);
+        return coordinate && {x: coordinate[0], y: -coordinate[1]};
+      },
+      resolution: () => this.#view.getResolution() ?? 1,
+      view: () => {
+        const size = this.#map.getSize();
+        if (!size) return null;
+        const [left, bottom, right, top] = this.#view.calculateExtent(size);
+        return {x0: left, y0: -top, x1: right, y1: -bottom};
+      },
+      changed: () => this.#map?.render(),
+      say: this.page.say,
+      hold_still: (still) => {
+        for (const interaction of this.#map.getInteractions().getArray()) {
+          if (interaction instanceof DoubleClickZoom || interaction instanceof DragZoom) interaction.setActive(!still);
+        }
+      },
+    });
   }
 
   #listen() {
@@ -274,6 +310,7 @@ export class Viewer {
         '-': () => this.#step(1),
         0: () => this.#fit(),
         c: () => this.#copy_link(),
+        e: () => this.#toggle_editor(),
         f: () => this.#toggle_fullscreen(),
         g: () => this.#toggle_grid(),
         h: this.page.help,
@@ -299,8 +336,10 @@ export class Viewer {
 
   /** @param {any} frame */
   #after_frame({extent: [left, bottom, right, top], viewState: {resolution}}) {
-    this.live.watch?.look_at({x0: left, y0: -top, x1: right, y1: -bottom}, level_for(resolution, this.texture.coarsest_level));
+    const view = {x0: left, y0: -top, x1: right, y1: -bottom};
+    this.live.watch?.look_at(view, level_for(resolution, this.texture.coarsest_level));
     this.live.cursors.draw();
+    this.editor.look_at(view);
     this.#refresh_soon();
     clearTimeout(this.#settle);
     const keep = () => {
@@ -397,6 +436,11 @@ export class Viewer {
   #set_step(step) {
     this.step = step;
     this.#store.set_step(step);
+  }
+
+  #toggle_editor() {
+    if (this.editor.button.hidden) return this.page.say('Nothing in this scene is placed by hand');
+    this.editor.toggle();
   }
 
   #toggle_player() {

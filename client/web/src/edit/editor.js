@@ -1,0 +1,470 @@
+import {icon_button} from '../dom.js';
+import {Carry} from './carry.js';
+import {Hand, put_at} from './hand.js';
+import {History} from './history.js';
+import {Palette} from './palette.js';
+import {PatternImages} from './pattern_images.js';
+import {SelectionBar} from './selection_bar.js';
+import {box_around, box_of, move_between, new_sprite_id, placement_of, settled, sprite_of, transformed} from './sprite.js';
+import {numbers_of, SpriteBook} from './sprite_book.js';
+import {SpriteLayer} from './sprite_layer.js';
+
+/** The server takes so many changes in an edit. */
+const most_changes = 1024;
+
+/** Sprites of a live scene, placed and moved by hand. Every gesture is one edit, drawn at once and undone as one. */
+export class Editor {
+  #live;
+  #map;
+  #closed = new AbortController();
+  #hand;
+  #texel = /** @type {{x: number, y: number} | null} */ (null);
+  #selected = /** @type {bigint[]} */ ([]);
+  #placing = /** @type {number | null} */ (null);
+  /** What the drag under way started from. @type {import('./sprite.js').Sprite[]} */
+  #taken = [];
+  #carry = /** @type {Carry | null} */ (null);
+  active = false;
+  side = 1;
+  /** Sprites that are drawn over the pages: the one in the hand last. @type {Carry[]} */
+  carries = [];
+  /** @type {PatternImages | null} */
+  patterns = null;
+  /** @type {SpriteBook | null} */
+  book = null;
+  /** @type {import('./sprite.js').Sprite | undefined} */
+  hovered;
+  /** @type {{x0: number, y0: number, x1: number, y1: number} | null} */
+  marquee = null;
+
+  /**
+   * @param {import('../live/live.js').Live} live
+   * @param {{
+   *   texture: import('../texture.js').Texture, store: import('../page_store.js').PageStore, canvas: HTMLElement,
+   *   options: () => any, smooth: () => boolean, step: () => number, texel_at: (pixel: number[]) => {x: number, y: number} | null,
+   *   resolution: () => number, view: () => {x0: number, y0: number, x1: number, y1: number} | null,
+   *   changed: () => void, say: (text: string) => void, hold_still: (still: boolean) => void
+   * }} map `hold_still`: whether double clicks and frames are left to the editor.
+   */
+  constructor(live, map) {
+    this.#live = live;
+    this.#map = map;
+    this.layer = new SpriteLayer(this, map.texture, map.store);
+    this.#hand = new Hand(this, map.canvas, this.#closed.signal);
+    this.history = new History((changes) => live.edit(changes));
+    this.button = icon_button('Edit (E)', 'pencil', () => this.toggle(), {'aria-pressed': 'false', hidden: true});
+    this.palette = new Palette({choose: (pattern) => this.choose(pattern), undo: () => this.undo(), redo: () => this.redo()});
+    this.bar = new SelectionBar({
+      scale_to: (scale) => this.#change_each((sprite) => settled({...sprite, scale})),
+      turn_to: (turn) => this.#change_each((sprite) => settled({...sprite, turn})),
+      raise: (up) => this.raise(up),
+      duplicate: () => this.duplicate(),
+      remove: () => this.remove(),
+    });
+    const until = {signal: this.#closed.signal};
+    this.history.addEventListener('change', () => this.#show_history(), until);
+    live.addEventListener('rights', () => this.#follow_rights(), until);
+    live.addEventListener('edit', (event) => this.#heard(/** @type {CustomEvent} */ (event).detail), until);
+    live.people.addEventListener('moved', () => this.#map.changed(), until);
+    document.addEventListener('keydown', (event) => this.#key(event), {capture: true, ...until});
+  }
+
+  close() {
+    this.#closed.abort();
+    this.patterns?.close();
+    this.book?.close();
+    for (const carry of this.carries) carry.close();
+  }
+
+  get smooth() {
+    return this.#map.smooth();
+  }
+
+  get is_dragging() {
+    return this.#hand.is_dragging;
+  }
+
+  /** @returns {import('./sprite.js').Sprite[]} As they are drawn now. */
+  get selection() {
+    return this.#selected.map((id) => this.#now(id)).filter((sprite) => sprite !== undefined);
+  }
+
+  /** The sprite that a click would place. */
+  get placing() {
+    return this.#placing === null || !this.#texel ? null : settled({id: 0n, pattern: this.#placing, ...this.#texel, scale: 1, turn: 0, order: 0, moves: false, first_step: -Infinity, end_step: Infinity});
+  }
+
+  /** What others have in their hands. */
+  get others() {
+    return [...this.#live.people.here.values()].map(({colour, held, selected}) => ({
+      colour, held: held ? sprite_of(held) : null,
+      selected: selected.map((id) => this.book?.find(id)).filter((sprite) => sprite !== undefined),
+    }));
+  }
+
+  // ---- What the map asks
+
+  /** @param {number[]} pixel */
+  texel_at(pixel) {
+    return this.#map.texel_at(pixel);
+  }
+
+  /** @param {{x: number, y: number}} texel */
+  sprite_at(texel) {
+    return this.book?.at(texel, this.#map.resolution(), this.#map.step());
+  }
+
+  /** What is shown of a page instead of its picture. @param {import('../texture.js').PageKey} page */
+  instead(page) {
+    for (let i = this.carries.length - 1; i >= 0; --i) {
+      const image = this.carries[i].instead(page);
+      if (image) return image;
+    }
+    return null;
+  }
+
+  /** Lets go of what the pages show by now. @param {import('../texture.js').PageKey[]} pages In view. */
+  tidy(pages) {
+    const done = this.carries.filter((carry) => carry.revision !== null && (carry.is_late || !pages.some((page) => carry.awaits(page))));
+    for (const carry of done) this.#let_go(carry);
+  }
+
+  /** After each frame. @param {{x0: number, y0: number, x1: number, y1: number}} view */
+  look_at(view) {
+    if (this.active) this.book?.look_at(view);
+  }
+
+  // ---- The mode
+
+  toggle() {
+    if (!this.active && !this.#live.may_edit) {
+      this.#map.say(this.#live.why_not || 'This scene cannot be edited from here');
+      return;
+    }
+    if (!this.patterns) return;
+    this.active = !this.active;
+    if (!this.active) this.#leave();
+    this.#map.hold_still(this.active);
+    this.button.setAttribute('aria-pressed', String(this.active));
+    this.palette.element.hidden = !this.active;
+    this.#map.canvas.classList.toggle('editing', this.active);
+    const view = this.#map.view();
+    if (this.active && view) this.book?.look_at(view);
+    this.#show();
+  }
+
+  /** Places a pattern from now on; null: takes hold of sprites. @param {number | null} pattern */
+  choose(pattern) {
+    this.#placing = pattern;
+    if (pattern !== null) this.#select([]);
+    this.palette.check(pattern);
+    this.#show();
+  }
+
+  // ---- What the hand does
+
+  /** @param {number[] | null} pixel @param {{x: number, y: number} | null} texel */
+  hover(pixel, texel) {
+    this.#texel = texel;
+    const handle = pixel && this.#placing === null ? this.layer.handle_at(pixel) : null;
+    this.hovered = texel && this.#placing === null && !handle ? this.sprite_at(texel) : undefined;
+    this.#map.canvas.dataset.cursor = handle ? handle.kind : this.#placing !== null ? 'place' : this.hovered ? 'move' : '';
+    if (this.active) this.#map.changed();
+  }
+
+  /** A press on a sprite. @param {import('./sprite.js').Sprite} sprite @param {boolean} add */
+  take_hold(sprite, add) {
+    if (!this.#selected.includes(sprite.id)) this.#select(add ? [...this.#selected, sprite.id] : [sprite.id]);
+    this.#begin_carry();  // so that the page without it is here when the drag begins
+  }
+
+  /** A click on a sprite that was no drag. @param {import('./sprite.js').Sprite} sprite @param {boolean} add */
+  clicked_sprite(sprite, add) {
+    const fresh = this.#fresh_hold;
+    this.drop_nothing();
+    if (add && !fresh) this.#select(this.#selected.filter((id) => id !== sprite.id));
+    else if (!add) this.#select([sprite.id]);
+  }
+
+  /** @param {{dx?: number, dy?: number, scale?: number, turn?: number, about?: {x: number, y: number}}} how */
+  drag(how) {
+    if (!this.#carry) this.#begin_carry();
+    const carry = this.#carry;
+    if (!carry) return;
+    if (this.#taken.some(({moves}) => moves)) return;
+    carry.sprites = transformed(this.#taken, how);
+    this.#live.be_at({held: carry.sprites.length === 1 ? placement_of(carry.sprites[0]) : undefined});
+    this.#show();
+  }
+
+  /** The drag ends here. */
+  drop() {
+    const carry = this.#carry, taken = this.#taken;
+    this.#carry = null;
+    this.#live.be_at({held: undefined});
+    if (!carry) return;
+    if (taken.some(({moves}) => moves)) {
+      this.#let_go(carry);
+      return this.#map.say('A sprite that moves by itself is not dragged; it can be deleted');
+    }
+    this.#put(carry, taken);
+  }
+
+  /** Nothing came of it. */
+  drop_nothing() {
+    if (this.#carry) this.#let_go(this.#carry);
+    this.#carry = null;
+    this.marquee = null;
+    this.#live.be_at({held: undefined});
+    this.#show();
+  }
+
+  /** @param {{x: number, y: number}} a @param {{x: number, y: number}} b */
+  draw_frame(a, b) {
+    this.marquee = {x0: Math.min(a.x, b.x), y0: Math.min(a.y, b.y), x1: Math.max(a.x, b.x), y1: Math.max(a.y, b.y)};
+    this.#map.changed();
+  }
+
+  /** @param {{x: number, y: number}} a @param {{x: number, y: number}} b @param {boolean} moved */
+  select_in_frame(a, b, moved) {
+    if (moved) this.draw_frame(a, b);
+    const box = this.marquee;
+    this.marquee = null;
+    if (box) this.#select([...new Set([...this.#selected, ...(this.book?.within(box) ?? []).map(({id}) => id)])].slice(0, most_changes));
+    this.#show();
+  }
+
+  /** A click beside all sprites. @param {{x: number, y: number}} at @param {boolean} add */
+  click(at, add) {
+    this.#texel = at;
+    const placing = this.placing;
+    if (placing) this.place(put_at({...placing, id: new_sprite_id()}, at));
+    else if (!add) this.#select([]);
+  }
+
+  // ---- Edits
+
+  /** @param {import('./sprite.js').Sprite} sprite */
+  place(sprite) {
+    const {x, y} = sprite;
+    const side = this.#map.texture.side_texels;
+    if (x < 0 || y < 0 || x >= side || y >= side) return this.#map.say('That is outside of the texture');
+    this.#make([{change: {case: 'placeSprite', value: placement_of(sprite)}}], this.#carry_of([], [sprite]));
+  }
+
+  remove() {
+    const gone = this.selection;
+    if (gone.length === 0) return;
+    this.#select([]);
+    this.#make(gone.map(({id}) => ({change: {case: 'removeSprite', value: {id}}})), this.#carry_of(gone, []));
+  }
+
+  duplicate() {
+    const {selection} = this;
+    if (selection.length === 0) return;
+    const {x0, x1} = box_around(selection.map((sprite) => box_of(sprite, this.side)));
+    const shift = Math.max(8, Math.min((x1 - x0) / 4, 24 * this.#map.resolution()));
+    const copies = transformed(selection, {dx: shift, dy: shift}).map((sprite) => ({...sprite, id: new_sprite_id()}));
+    this.#make(copies.map((sprite) => ({change: {case: 'placeSprite', value: placement_of(sprite)}})), this.#carry_of([], copies));
+    this.#select(copies.map(({id}) => id));
+  }
+
+  /** In front of all that it meets, or behind. @param {boolean} up */
+  raise(up) {
+    const {selection, book} = this;
+    if (selection.length === 0 || !book) return;
+    const others = book.list.filter(({id}) => !this.#selected.includes(id)).map(({order}) => order);
+    const order = others.length === 0 ? 0 : up ? Math.max(...others) + 1 : Math.min(...others) - 1;
+    this.#change_each((sprite) => ({...sprite, order}));
+  }
+
+  async undo() {
+    await this.#try(() => this.history.undo());
+  }
+
+  async redo() {
+    await this.#try(() => this.history.redo());
+  }
+
+  /** @param {(sprite: import('./sprite.js').Sprite) => import('./sprite.js').Sprite} change */
+  #change_each(change) {
+    const taken = this.selection;
+    this.#put(this.#carry_of(taken, taken.map(change)), taken);
+  }
+
+  /** Makes what a carry has done to the sprites that were taken. @param {Carry} carry @param {import('./sprite.js').Sprite[]} taken */
+  #put(carry, taken) {
+    const changes = carry.sprites.map((sprite, i) => move_between(taken[i], sprite)).filter((change) => change !== null);
+    if (changes.length === 0) this.#let_go(carry);
+    else this.#make(changes, carry);
+  }
+
+  /** @param {any[]} changes @param {Carry} carry */
+  async #make(changes, carry) {
+    this.#show();
+    const answer = await this.#try(() => this.#live.edit(changes));
+    if (!answer) return this.#let_go(carry);
+    this.history.done(answer);
+    carry.put_down(Number(answer.revision), answer.dirty.map(numbers_of));
+    this.#show();
+  }
+
+  /** @template T @param {() => Promise<T>} act @returns {Promise<T | null>} */
+  async #try(act) {
+    try {
+      return await act();
+    } catch (error) {
+      if (!this.#closed.signal.aborted) this.#map.say(/** @type {Error} */ (error).message);
+      return null;
+    }
+  }
+
+  // ---- What is in the hand
+
+  get #fresh_hold() {
+    return this.#was_selected !== this.#selected.length;
+  }
+  #was_selected = 0;
+
+  #begin_carry() {
+    if (this.#carry) this.#let_go(this.#carry);
+    this.#taken = this.selection;
+    this.#carry = this.#carry_of(this.#taken, this.#taken);
+  }
+
+  /** @param {import('./sprite.js').Sprite[]} taken @param {import('./sprite.js').Sprite[]} sprites */
+  #carry_of(taken, sprites) {
+    const {texture, store, options, changed} = this.#map;
+    const others = taken.length > 0 ? this.carries.flatMap(({ids}) => ids) : [];
+    const carry = new Carry({texture, store, options, side: this.side, changed}, taken, sprites, others);
+    this.carries.push(carry);
+    changed();
+    return carry;
+  }
+
+  /** @param {Carry} carry */
+  #let_go(carry) {
+    this.carries = this.carries.filter((other) => other !== carry);
+    carry.close();
+    this.#show();
+  }
+
+  /** A sprite as it is drawn now. @param {bigint} id */
+  #now(id) {
+    for (let i = this.carries.length - 1; i >= 0; --i) {
+      const carried = this.carries[i].sprites.find((sprite) => sprite.id === id);
+      if (carried) return carried;
+    }
+    return this.book?.find(id);
+  }
+
+  /** @param {bigint[]} ids */
+  #select(ids) {
+    this.#was_selected = this.#selected.length;
+    this.#selected = ids;
+    this.#live.be_at({selected: ids.slice(0, 64)});
+    this.#show();
+  }
+
+  #leave() {
+    this.#hand.cancel();
+    this.#placing = null;
+    this.palette.check(null);
+    this.hovered = undefined;
+    this.#select([]);
+    delete this.#map.canvas.dataset.cursor;
+  }
+
+  // ---- What is heard
+
+  #follow_rights() {
+    const {patterns, pattern_side: side, may_edit, takes_edits, stream} = this.#live;
+    const has_sprites = patterns.length > 0 && takes_edits;
+    this.button.hidden = !has_sprites || !stream?.open;
+    this.button.classList.toggle('locked', !may_edit);
+    if (this.active && (!may_edit || !has_sprites)) this.toggle();
+    if (!has_sprites || !stream?.open) return;
+    if (this.patterns?.side === side && this.patterns.count === patterns.length) return this.book?.forget();
+    this.patterns?.close();
+    this.book?.close();
+    this.side = side;
+    this.patterns = new PatternImages(this.#map.texture, patterns, side, () => {
+      if (this.patterns) this.palette.show_images(this.patterns);
+      this.#map.changed();
+    });
+    this.book = new SpriteBook(this.#map.texture, this.patterns);
+    this.book.addEventListener('change', () => this.#show());
+    this.palette.offer(this.patterns);
+  }
+
+  /** @param {{done: any, changes: any[]}} news */
+  #heard({done, changes}) {
+    if (!done.answer || done.answer.again) return;
+    this.book?.take(changes, Number(done.answer.revision), done.answer.dirty);
+  }
+
+  #show_history() {
+    this.palette.undo.disabled = !this.history.can_undo;
+    this.palette.redo.disabled = !this.history.can_redo;
+  }
+
+  #show() {
+    this.#selected = this.#selected.filter((id) => this.#now(id) !== undefined);
+    if (this.patterns) this.bar.show(this.active ? this.selection : [], (pattern) => this.patterns?.name(pattern) ?? '');
+    this.palette.hint(
+      this.book?.partial ? 'Many sprites: come closer to take hold of them.'
+      : this.#placing !== null ? 'Click to place, Escape ends.'
+      : this.#selected.length > 0 ? 'Drag to move; corners scale, the knob turns.'
+      : 'Pick one to place, or take hold of a sprite. Shift frames several.');
+    this.#map.changed();
+  }
+
+  /** @param {KeyboardEvent} event */
+  #key(event) {
+    const target = /** @type {HTMLElement} */ (event.target);
+    if (!this.active || event.altKey || target.closest?.('input:not([type=range], [type=radio], [type=checkbox]), dialog')) return;
+    const act = this.#action_of(event);
+    if (!act) return;
+    event.preventDefault();
+    event.stopPropagation();
+    act();
+  }
+
+  /** @param {KeyboardEvent} event @returns {(() => void) | null} */
+  #action_of({key, ctrlKey, metaKey, shiftKey}) {
+    const name = key.length === 1 ? key.toLowerCase() : key;
+    if (ctrlKey || metaKey) {
+      if (name === 'z') return () => (shiftKey ? this.redo() : this.undo());
+      if (name === 'y') return () => this.redo();
+      if (name === 'd') return () => this.duplicate();
+      if (name === 'a') return () => this.#select((this.#map.view() && this.book ? this.book.within(/** @type {any} */ (this.#map.view())) : []).map(({id}) => id).slice(0, most_changes));
+      return null;
+    }
+    if (name === 'Escape') return () => this.#escape();
+    if (name === 'v') return () => this.choose(null);
+    if (/^[1-9]$/.test(name) && this.patterns && Number(name) <= this.patterns.count) return () => this.choose(Number(name) - 1);
+    if (this.#selected.length === 0) return null;
+    if (name === 'Delete' || name === 'Backspace') return () => this.remove();
+    if (name === 'PageUp' || name === 'PageDown') return () => this.raise(name === 'PageUp');
+    if (name === 'r') return () => this.#change_together({turn: (shiftKey ? -1 : 1) / 24});
+    const directions = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]};
+    const direction = directions[/** @type {keyof typeof directions} */ (name)];
+    const far = (shiftKey ? 10 : 1) * Math.max(1, Math.round(this.#map.resolution()));
+    return direction ? () => this.#change_together({dx: direction[0] * far, dy: direction[1] * far}) : null;
+  }
+
+  /** @param {{dx?: number, dy?: number, turn?: number}} how */
+  #change_together(how) {
+    const taken = this.selection.filter(({moves}) => !moves);
+    if (taken.length === 0) return;
+    const {x0, y0, x1, y1} = box_around(taken.map((sprite) => box_of(sprite, this.side)));
+    this.#put(this.#carry_of(taken, transformed(taken, {about: {x: (x0 + x1) / 2, y: (y0 + y1) / 2}, ...how})), taken);
+  }
+
+  #escape() {
+    if (this.#hand.cancel()) return;
+    if (this.#placing !== null) this.choose(null);
+    else if (this.#selected.length > 0) this.#select([]);
+    else this.toggle();
+  }
+}
