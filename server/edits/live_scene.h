@@ -64,6 +64,9 @@ class LiveScene final : public SceneNow {
     /// The scene with all edits that were acknowledged.
     ScenePtr now() const override { return now_.load(); }
 
+    /// Names the journal's history: another one counts its revisions from 0 again.
+    std::string lineage() const { return to_string(lineage_); }
+
     /// The scene file or its assets have changed: the same sprites over another ground. `base` has sprites.
     void rebase(ScenePtr base);
 

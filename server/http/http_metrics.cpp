@@ -28,8 +28,8 @@ HttpMetrics::HttpMetrics(prometheus::Registry& registry)
                        .Name("tessera_http_answers_total")
                        .Help("Answers by HTTP status")
                        .Register(registry);
-    for (const unsigned status : {200u, 204u, 304u, 308u, 400u, 401u, 403u, 404u, 405u, 406u, 408u, 409u,
-                                  410u, 411u, 413u, 414u, 415u, 417u, 431u, 500u, 501u, 503u})
+    for (const unsigned status : {101u, 200u, 204u, 304u, 308u, 400u, 401u, 403u, 404u, 405u, 406u, 408u,
+                                  409u, 410u, 411u, 413u, 414u, 415u, 417u, 426u, 431u, 500u, 501u, 503u})
         answers_[status] = &family.Add({{"status", std::to_string(status)}});
 }
 

@@ -22,12 +22,17 @@ namespace tessera {
 struct IoThread {
     static constexpr std::chrono::milliseconds deadline_step{100};
 
+    SessionContext context;  ///< Sessions that are cut off end with `io`, and need it until then.
     boost::asio::io_context io{1};
     boost::asio::executor_work_guard<IoExecutor> work{io.get_executor()};
-    SessionContext context;
     std::thread thread;
 
-    explicit IoThread(SessionContext given) : context{std::move(given)} {}
+    explicit IoThread(SessionContext given) : context{std::move(given)} {
+        context.streams->attach(io.get_executor());
+    }
+    ~IoThread() { context.streams->detach(); }
+    IoThread(const IoThread&) = delete;
+    IoThread& operator=(const IoThread&) = delete;
 
     void start() {
         boost::asio::co_spawn(io, check_deadlines(), boost::asio::detached);
@@ -68,6 +73,7 @@ struct IoThread {
             co_await timer.async_wait(boost::asio::use_awaitable_t<IoExecutor>{});
             const auto now = Session::Clock::now();
             for (Session* session : context.sessions) session->check_deadline(now);
+            context.streams->check_deadlines(now);
         }
     }
 };

@@ -71,6 +71,11 @@ Routes::Outcome Routes::route(const RequestHead& request, const Site& site) {
         return scene ? edit(request, *scene, *site.access) : refusal_answer(no_such_scene((*segments)[1]));
     }
     if (!request.query.empty()) return refusal_answer({400, "this address takes no parameters", false});
+    if (segments->size() == 3 && segments->back() == "stream") {
+        if (site.draining) return refusal_answer({503, "stopping", true});
+        const ScenePtr scene = site.catalog->find((*segments)[1]);
+        return scene ? stream(request, *scene) : refusal_answer(no_such_scene((*segments)[1]));
+    }
     if (segments->size() == 1) return scene_list(request, *site.catalog);
     if (segments->size() == 2) {
         const ScenePtr scene = site.catalog->find((*segments)[1]);

@@ -47,6 +47,13 @@ struct PendingEdit {
     Access::Decision allowed{};
 };
 
+/// A stream that may be opened: its address, Origin and handshake are checked.
+struct PendingStream {
+    std::string scene;
+    bool edits_without_token = false;
+    std::string token;
+};
+
 /// Request -> answer, or the page that will be it. Pure but for counters and the cache: no sockets, nothing
 /// that blocks. May be called from any thread.
 class Routes {
@@ -55,7 +62,7 @@ class Routes {
     Routes(PageService& pages, SampleService& samples, prometheus::Registry& registry)
         : pages_{pages}, samples_{samples}, registry_{registry} {}
 
-    using Outcome = std::variant<Answer, PendingPage, PendingSample, PendingEdit>;
+    using Outcome = std::variant<Answer, PendingPage, PendingSample, PendingEdit, PendingStream>;
     Outcome route(const RequestHead& request, const Site& site);
 
     /// The answer that a page is; `from_cache` is for Server-Timing alone.
@@ -75,6 +82,7 @@ class Routes {
 
   private:
     Outcome edit(const RequestHead& request, const Scene& scene, const Access& access);
+    static Outcome stream(const RequestHead& request, const Scene& scene);
     Outcome sample(const RequestHead& request, const ScenePtr& scene);
     static Answer page_not_modified(PageId id, const PageOptions& options, bool pinned);
     Outcome page(const RequestHead& request, const Site& site, const std::vector<std::string>& segments);

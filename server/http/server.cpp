@@ -20,11 +20,13 @@ Server::Server(const ServerOptions& options)
       pages_{options.pages, registry_, page_prelude},
       samples_{options.samples, registry_},
       edits_{options.edits},
+      streams_{options.streams, pages_, edits_, registry_},
       bodies_{options.bodies_bytes},
       routes_{pages_, samples_, registry_} {
     for (std::size_t i = 0; i < std::max<std::size_t>(options.io_threads, 1); ++i)
         threads_.push_back(std::make_unique<IoThread>(
-            SessionContext{options.session, routes_, pages_, samples_, edits_, bodies_, metrics_}));
+            SessionContext{options.session, routes_, pages_, samples_, edits_, bodies_, metrics_,
+                           std::make_unique<StreamThread>(streams_)}));
 }
 
 Result<std::unique_ptr<Server>> Server::start(const ServerOptions& options) {
@@ -69,17 +71,19 @@ void Server::publish(std::shared_ptr<const Catalog> catalog, std::shared_ptr<con
     if (stopped_) return;
     metrics_.scenes.Set(static_cast<double>(catalog->scenes.size()));
     metrics_.scenes_broken.Set(static_cast<double>(catalog->broken.size()));
+    streams_.follow_scenes();
     on_every_thread([&](SessionContext& context) {
         context.site.catalog = catalog;
         context.site.web = web;
         context.site.access = access;
+        context.streams->publish(catalog, access);
     });
     samples_.forget_scenes();
 }
 
 bool Server::sessions_left() {
     std::atomic<std::size_t> left = 0;
-    on_every_thread([&](SessionContext& context) { left += context.sessions.size(); });
+    on_every_thread([&](SessionContext& context) { left += context.sessions.size() + context.streams->size(); });
     return left != 0;
 }
 
@@ -97,10 +101,12 @@ void Server::stop() {
     on_every_thread([](SessionContext& context) {
         context.site.draining = true;
         for (Session* session : context.sessions) session->drain();
+        context.streams->drain();
     });
     wait_for_sessions(options_.grace);
     on_every_thread([](SessionContext& context) {
         for (Session* session : context.sessions) session->abort();
+        context.streams->abort();
     });
     wait_for_sessions(std::chrono::milliseconds{500});
     for (const auto& thread : threads_) thread->io.stop();

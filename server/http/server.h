@@ -15,6 +15,7 @@
 #include "server/http/web_files.h"
 #include "server/pages/page_service.h"
 #include "server/scene/scene.h"
+#include "server/stream/stream_service.h"
 #include "shared/result/result.h"
 
 namespace tessera {
@@ -49,6 +50,7 @@ class Server {
     SampleService& samples() noexcept { return samples_; }
     EditService& edits() noexcept { return edits_; }
     HttpMetrics& metrics() noexcept { return metrics_; }
+    const StreamMetrics& stream_metrics() const noexcept { return streams_.metrics; }
 
   private:
     explicit Server(const ServerOptions& options);
@@ -64,6 +66,7 @@ class Server {
     PageService pages_;
     SampleService samples_;
     EditService edits_;
+    StreamService streams_;
     BodyBudget bodies_;
     Routes routes_;
     std::vector<std::unique_ptr<IoThread>> threads_;

@@ -9,6 +9,7 @@
 #include "server/edits/edit_service.h"
 #include "server/pages/page_service.h"
 #include "server/sampling/sample_service.h"
+#include "server/stream/stream_options.h"
 
 namespace tessera {
 
@@ -42,6 +43,7 @@ struct ServerOptions {
     PageServiceLimits pages;
     SampleServiceLimits samples;
     EditOptions edits;
+    StreamOptions streams;
     std::filesystem::path tokens;  ///< Who may edit from elsewhere (Access::load). Empty: nobody.
 };
 

@@ -67,11 +67,11 @@ Session::Session(PageSocket socket, SessionContext& context)
     : socket_{std::move(socket)},
       context_{context},
       place_{context.sessions.insert(context.sessions.end(), this)},
+      connection_{this, [&connections = context.metrics.connections](void*) { connections.Decrement(); }},
       draining_{context.site.draining} {}
 
 Session::~Session() {
     context_.sessions.erase(place_);
-    context_.metrics.connections.Decrement();
 }
 
 Task<void> Session::run(std::shared_ptr<Session> self) {
@@ -79,7 +79,7 @@ Task<void> Session::run(std::shared_ptr<Session> self) {
     self->socket_.set_option(asio::ip::tcp::no_delay{true}, ignored);
     self->socket_.non_blocking(true, ignored);
     co_await self->serve();
-    co_await self->linger();
+    if (!self->is_stream_) co_await self->linger();
 }
 
 Task<void> Session::serve() {
@@ -188,9 +188,34 @@ Task<bool> Session::answer_request(std::size_t head_bytes) {
         co_return co_await wait_for_samples(std::move(*pending), request, head_bytes);
     if (auto* pending = std::get_if<PendingEdit>(&outcome))
         co_return co_await wait_for_edit(std::move(*pending), request, head_bytes);
+    if (auto* pending = std::get_if<PendingStream>(&outcome))
+        co_return co_await open_stream(*pending, request, head_bytes);
     Answer& answer = std::get<Answer>(outcome);
     answer.close = answer.close || request.body_bytes != 0;  // which nobody has read
     co_return co_await send(answer, !request.is(http::verb::head), request.keep_alive);
+}
+
+/// From here on the socket is the stream's: this session ends.
+Task<bool> Session::open_stream(const PendingStream& pending, const RequestHead& request,
+                                std::size_t head_bytes) {
+    std::string why;
+    if (input_.size() != head_bytes) why = "a client waits for the answer to its upgrade before it sends more";
+    std::shared_ptr<void> place;
+    if (why.empty() && !(place = context_.streams->admit())) why = "too many streams; come back in a second";
+    if (!why.empty()) {
+        const Answer answer = refusal_answer({place || input_.size() != head_bytes ? 400u : 503u, why, true});
+        co_return co_await send(answer, true, false);
+    }
+    context_.metrics.count_answer(101, 0);
+    StreamOpening opening;
+    opening.scene = pending.scene;
+    opening.from_loopback = pending.edits_without_token;
+    opening.token = pending.token;
+    opening.place = std::move(place);
+    opening.connection = connection_;
+    is_stream_ = true;
+    context_.streams->serve(std::move(socket_), request.message, std::move(opening));
+    co_return false;
 }
 
 Answer Session::body_refusal(ReadEnd end) {

@@ -6,20 +6,16 @@
 #include <string>
 
 #include <boost/asio/awaitable.hpp>
-#include <boost/asio/basic_stream_socket.hpp>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
 
 #include "server/http/body_budget.h"
 #include "server/http/http_metrics.h"
 #include "server/http/request_head.h"
 #include "server/http/routes.h"
+#include "server/stream/page_socket.h"
+#include "server/stream/stream_thread.h"
 
 namespace tessera {
 
-/// Everything of one I/O thread runs on one io_context, so that sessions need no locks.
-using IoExecutor = boost::asio::io_context::executor_type;
-using PageSocket = boost::asio::basic_stream_socket<boost::asio::ip::tcp, IoExecutor>;
 template <class T>
 using Task = boost::asio::awaitable<T, IoExecutor>;
 
@@ -44,6 +40,7 @@ struct SessionContext {
     EditService& edits;
     BodyBudget& bodies;
     HttpMetrics& metrics;
+    std::unique_ptr<StreamThread> streams;
     Site site{};                     ///< Replaced on this thread.
     std::list<Session*> sessions{};  ///< Those alive.
     DateField date{};
@@ -82,6 +79,8 @@ class Session : public std::enable_shared_from_this<Session> {
     Task<bool> wait_for_edit(PendingEdit pending, const RequestHead& request, std::size_t head_bytes);
     Task<bool> wait_for_samples(PendingSample pending, const RequestHead& request, std::size_t head_bytes);
     Task<bool> wait_for_page(PendingPage pending, const RequestHead& request, bool keep_alive);
+    Task<bool> open_stream(const PendingStream& pending, const RequestHead& request,
+                           std::size_t head_bytes);
     Task<void> client_leaves();
     Task<bool> send(const Answer& answer, bool with_body, bool keep_alive);
     Task<void> linger();
@@ -90,12 +89,14 @@ class Session : public std::enable_shared_from_this<Session> {
     PageSocket socket_;
     SessionContext& context_;
     std::list<Session*>::iterator place_;
+    std::shared_ptr<void> connection_;  ///< Counts it until it ends, here or as a stream.
     std::string input_;   ///< Read and not yet answered; at most limits.head_bytes.
     std::string output_;  ///< The header being sent.
     Clock::time_point deadline_ = Clock::time_point::max();
     bool expired_ = false;   ///< The deadline ended the operation that was waiting.
     bool idle_ = false;      ///< Waits for the first byte of a request.
     bool draining_ = false;  ///< The answer under way is the last.
+    bool is_stream_ = false;  ///< The socket is somebody else's now.
 };
 
 }  // namespace tessera
