@@ -40,7 +40,7 @@ export async function start_stream_server({web, n = 4, port = 0, page_delay = 0,
   const answer_page = async ({z, x, y}, response, url) => {
     const level = n - z;
     const key = `${level}/${x}/${y}`;
-    const picture = page_of?.(level, x, y, url);  // as it is now, however late it comes
+    const picture = page_of?.(level, x, y, url, response);  // as it is now, however late it comes
     const pinned = url.pathname.match(/\/r(\d+)-/)?.[1];
     under_way.set(key, (under_way.get(key) ?? 0) + 1);
     most.set(key, Math.max(most.get(key) ?? 0, under_way.get(key)));

@@ -6,7 +6,7 @@ import {PlayerMenu} from './player_menu.js';
 const most_changes_per_second = 20;
 
 /** After this a step is shown with what is there, in milliseconds. */
-const longest_wait = 1500;
+const longest_wait = 4000;
 
 /** The step that an address asks for: it is shown and stays. @param {string | undefined} asked @param {boolean} animated */
 export const step_chosen = (asked, animated) =>

@@ -297,6 +297,9 @@ export class Viewer {
       this.player.close_menu();
       this.live.panel.close_menu();
     }, until);
+    const bars = new ResizeObserver(() => this.element.style.setProperty('--bars', `${Math.round(this.#free_box().top)}px`));
+    bars.observe(this.element.querySelector('.top-bar'));
+    this.#closed.signal.addEventListener('abort', () => bars.disconnect());
     watch_cache(this.#ledger, this.#closed.signal);
     const move = (/** @type {number} */ x, /** @type {number} */ y) => (/** @type {KeyboardEvent} */ event) => this.#move(x, y, event.shiftKey);
     listen_to_keys(
