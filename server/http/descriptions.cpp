@@ -53,6 +53,7 @@ std::string describe_tiles(const Scene& scene, std::string_view origin) {
     info.add_channels(std::string{name_of(ChannelSet::albedo)});
     for (const Channels& channels : scene.channels) info.add_channels(std::string{name_of(channels.set)});
     info.set_slices(static_cast<std::uint32_t>(scene.slices));
+    info.set_stream("/scenes/" + scene.id + "/stream");
     info.set_animated(scene.animated);
     if (scene.animated) {
         info.set_steps_per_second(scene.steps_per_second);
