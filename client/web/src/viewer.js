@@ -24,8 +24,7 @@ import {SceneClock} from './live/scene_clock.js';
 import {connection} from './server.js';
 import {slice_chosen, slice_within, SliceControl} from './slices.js';
 import {kind_name} from './texture.js';
-
-const calm = matchMedia('(prefers-reduced-motion: reduce)');
+import {ViewMotion} from './view_motion.js';
 
 /** The viewer of one texture: map, bars and keys. */
 export class Viewer {
@@ -37,10 +36,9 @@ export class Viewer {
   #clock = new SceneClock();
   /** @type {OlMap} */
   #map;
+  #motion;
   /** @type {{x: number, y: number} | null} The texel under the pointer. */
   #pointer = null;
-  /** @type {number | null} Where a stepwise zoom under way will end, so that quick steps add up. */
-  #zooming_to = null;
   #frame = 0;
   #settle = 0;
   #record = 0;
@@ -63,16 +61,20 @@ export class Viewer {
     this.#store = new PageStore(texture, this.#ledger, this.#request(), page.stale);
     this.#pages = new PageLayer(texture, this.#store);
     this.#pages.smooth = this.options.texels === 'smooth';
-    this.#grid = new PageGridLayer(texture, this.#ledger, () => this.#free_box().top);
+    this.#grid = new PageGridLayer(texture, this.#ledger, () => this.#room().top);
     this.#grid.shown = address.options.grid === '1';
     this.#clock.follow_wall(texture);
     this.live = new Live(texture, this.#store, this.#clock, {
       stale: page.stale,
       place: ({x, y}) => this.#map.getPixelFromCoordinate([x, -y]),
-      go: (place) => this.#fly_to(place),
+      go: (place) => {
+        this.page.moved(this.#hash(), true);
+        this.#motion.fly_to(place);
+      },
     });
     this.#build();
     this.#map = this.#make_map();
+    this.#motion = new ViewMotion(this.#view, texture, () => this.#room());
     this.#listen();
     this.show(address);
     this.player.offer(step_chosen(address.options.step, texture.animated));
@@ -182,8 +184,8 @@ export class Viewer {
     this.scale_bar = new ScaleBar();
     this.rail = new LevelRail(level_range(texture), {
       go: (level) => this.#view.setResolution(2 ** level),
-      step: (levels) => this.#step(levels),
-      fit: () => this.#fit(),
+      step: (levels) => this.#motion.step(levels),
+      fit: () => this.#motion.fit(),
     });
     this.go_to = go_to_box((place) => this.#go_to(place));
     this.menu = options_menu(this.options, texture.formats, (name, value) => {
@@ -297,21 +299,21 @@ export class Viewer {
       this.player.close_menu();
       this.live.panel.close_menu();
     }, until);
-    const bars = new ResizeObserver(() => this.element.style.setProperty('--bars', `${Math.round(this.#free_box().top)}px`));
+    const bars = new ResizeObserver(() => this.element.style.setProperty('--bars', `${Math.round(this.#room().top)}px`));
     bars.observe(this.element.querySelector('.top-bar'));
     this.#closed.signal.addEventListener('abort', () => bars.disconnect());
     watch_cache(this.#ledger, this.#closed.signal);
-    const move = (/** @type {number} */ x, /** @type {number} */ y) => (/** @type {KeyboardEvent} */ event) => this.#move(x, y, event.shiftKey);
+    const move = (/** @type {number} */ x, /** @type {number} */ y) => (/** @type {KeyboardEvent} */ event) => this.#motion.move(x, y, event.shiftKey);
     listen_to_keys(
       {
         ArrowLeft: move(-1, 0),
         ArrowRight: move(1, 0),
         ArrowUp: move(0, -1),
         ArrowDown: move(0, 1),
-        '+': () => this.#step(-1),
-        '=': () => this.#step(-1),
-        '-': () => this.#step(1),
-        0: () => this.#fit(),
+        '+': () => this.#motion.step(-1),
+        '=': () => this.#motion.step(-1),
+        '-': () => this.#motion.step(1),
+        0: () => this.#motion.fit(),
         c: () => this.#copy_link(),
         e: () => this.#toggle_editor(),
         f: () => this.#toggle_fullscreen(),
@@ -466,17 +468,6 @@ export class Viewer {
     }
   }
 
-  /** To a place that somebody points to. @param {{x: number, y: number, level?: number, side?: number}} place */
-  #fly_to({x, y, level, side = 0}) {
-    this.page.moved(this.#hash(), true);
-    const now = this.#view.getResolution() ?? 1;
-    const {finest, coarsest} = level_range(this.texture);
-    // So that what was done there is neither a speck nor larger than the view
-    const fit = side > 0 ? Math.min(Math.max(now, (1.5 * side) / this.canvas.clientHeight), side / 24) : now;
-    const resolution = level !== undefined ? 2 ** level : fit;
-    this.#animate({center: [x, -y], resolution: Math.min(2 ** coarsest, Math.max(2 ** finest, resolution))});
-  }
-
   #retry() {
     this.#store.retry();
   }
@@ -493,49 +484,13 @@ export class Viewer {
     this.page.moved(this.#hash(), false);
   }
 
-  /** @param {any} target What the view is to become: resolution, center. */
-  #animate(target) {
-    this.#view.cancelAnimations();
-    this.#view.animate({...target, duration: calm.matches ? 0 : 220});
-  }
-
-  /** An eighth of the view, or with Shift all of it. @param {number} x @param {number} y @param {boolean} far */
-  #move(x, y, far) {
-    const resolution = this.#view.getResolution() ?? 1;
-    const [width, height] = this.#map.getSize() ?? [0, 0];
-    const [at_x, at_y] = this.#view.getCenter() ?? [0, 0];
-    const share = far ? 1 : 0.125;
-    this.#animate({center: [at_x + x * Math.round(width * share) * resolution, at_y - y * Math.round(height * share) * resolution]});
-  }
-
-  /** To the next whole level: from 2.4, one step closer is 2. @param {number} levels Negative is closer. */
-  #step(levels) {
-    const {finest, coarsest} = level_range(this.texture);
-    const level = this.#zooming_to ?? Math.log2(this.#view.getResolution() ?? 1);
-    const next = levels < 0 ? Math.ceil(level - 0.01) - 1 : Math.floor(level + 0.01) + 1;
-    const goal = Math.min(coarsest, Math.max(finest, next));
-    this.#zooming_to = goal;
-    this.#view.cancelAnimations();
-    this.#view.animate({resolution: 2 ** goal, duration: calm.matches ? 0 : 220}, () => {
-      if (this.#zooming_to === goal) this.#zooming_to = null;
-    });
-  }
-
-  #fit() {
-    const margin = 8;
-    const {top, bottom, side: covered} = this.#free_box();
-    const {clientWidth: width, clientHeight: height} = this.canvas;
-    const side = this.texture.side_texels;
-    const room = Math.max(64, Math.min(width - 2 * covered, height - top - bottom) - 2 * margin);
-    const resolution = Math.min(2 ** this.texture.coarsest_level, side / room);
-    this.#animate({resolution, center: [side / 2, -side / 2 + ((top - bottom) / 2) * resolution]});
-  }
-
-  /** CSS pixels that the bars cover: above, below, and on each side, so that what is fitted stays in the middle. */
-  #free_box() {
+  /** CSS pixels of the view, and what the bars cover of it: above, below, and on each side, so that what is fitted stays in the middle. */
+  #room() {
     const view = this.element.getBoundingClientRect();
     const box_of = (/** @type {string} */ name) => this.element.querySelector(name).getBoundingClientRect();
     return {
+      width: this.canvas.clientWidth,
+      height: this.canvas.clientHeight,
       top: box_of('.top-bar').bottom - view.top,
       bottom: view.bottom - box_of('.lower').top,
       side: view.right - box_of('.level-rail').left,
