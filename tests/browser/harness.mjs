@@ -10,6 +10,8 @@ import path from 'node:path';
 import {createInterface} from 'node:readline';
 import {after, before} from 'node:test';
 
+import {flat_picture} from './png.mjs';
+
 /** @param {string} name */
 function from_environment(name) {
   const value = process.env[name];
@@ -37,21 +39,32 @@ const scenes = {
   torn: {title: 'Torn', colour: 'red'},
 };
 
-/** A folder of four scenes, of which `torn` is broken. */
-export async function make_scenes() {
+/** A scene of one sprite pattern over one colour, to be edited. */
+const signs = {
+  title: 'Signs', extent_log2_pages: 4, constant: {color: color([52, 84, 70])},
+  sprites: {patterns: {files: ['amber.png']}},
+};
+
+/** A folder of four scenes, of which `torn` is broken; and, if asked for, one with sprites. */
+export async function make_scenes({with_sprites = false} = {}) {
   const folder = await mkdtemp(path.join(tmpdir(), 'tessera-browser-'));
   for (const [id, scene] of Object.entries(scenes)) {
     await mkdir(path.join(folder, id));
     await writeFile(path.join(folder, id, 'scene.json'), JSON.stringify(scene));
+  }
+  if (with_sprites) {
+    await mkdir(path.join(folder, 'signs'));
+    await writeFile(path.join(folder, 'signs', 'scene.json'), JSON.stringify(signs));
+    await writeFile(path.join(folder, 'signs', 'amber.png'), flat_picture(64, [222, 164, 66]));
   }
   const paint_clay = (rgb) =>
     writeFile(path.join(folder, 'clay', 'scene.json'), JSON.stringify({...scenes.clay, constant: {color: color(rgb)}}));
   return {folder, paint_clay, remove: () => rm(folder, {recursive: true, force: true})};
 }
 
-/** `tessera serve`, ready when this returns. @param {string} folder Of scenes. @param {number} [port] 0: any. */
-export async function start_tessera(folder, port = 0) {
-  const options = ['serve', '--scenes', folder, '--listen', `127.0.0.1:${port}`, '--web', web_folder];
+/** `tessera serve`, ready when this returns. @param {string} folder Of scenes. @param {number} [port] 0: any. @param {string[]} [more_options] */
+export async function start_tessera(folder, port = 0, more_options = []) {
+  const options = ['serve', '--scenes', folder, '--listen', `127.0.0.1:${port}`, '--web', web_folder, ...more_options];
   const server = spawn(from_environment('TESSERA_BINARY'), options, {stdio: ['ignore', 'pipe', 'inherit']});
   const ended = once(server, 'exit');
   const first_line = once(createInterface(server.stdout), 'line').then(([line]) => line);
@@ -78,10 +91,10 @@ export const open_browser = () => chromium.launch({executablePath: from_environm
  * server of them unless each test starts its own.
  * @returns {{browser: any, scenes: any, server: any}}
  */
-export function set_the_stage({with_server = true} = {}) {
+export function set_the_stage({with_server = true, with_sprites = false} = {}) {
   const stage = {browser: null, scenes: null, server: null};
   before(async () => {
-    stage.scenes = await make_scenes();
+    stage.scenes = await make_scenes({with_sprites});
     [stage.browser, stage.server] = await Promise.all([open_browser(), with_server ? start_tessera(stage.scenes.folder) : null]);
   });
   after(async () => {

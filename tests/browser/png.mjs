@@ -24,17 +24,20 @@ function chunk(name, data) {
   return Buffer.concat([length, body, crc]);
 }
 
-/** A PNG of 256×256 texels of one colour. @param {number[]} rgb */
-export function flat_page(rgb) {
+/** A PNG of one colour. @param {number} side @param {number[]} rgb */
+export function flat_picture(side, rgb) {
   const header = Buffer.alloc(13);
-  header.writeUInt32BE(256, 0);
-  header.writeUInt32BE(256, 4);
+  header.writeUInt32BE(side, 0);
+  header.writeUInt32BE(side, 4);
   header.set([8, 2, 0, 0, 0], 8); // 8 bits, RGB, no interlace
-  const row = Buffer.concat([Buffer.from([0]), Buffer.alloc(256 * 3, Buffer.from(rgb))]);
+  const row = Buffer.concat([Buffer.from([0]), Buffer.alloc(side * 3, Buffer.from(rgb))]);
   const signature = Buffer.from('\x89PNG\r\n\x1a\n', 'latin1');
-  const rows = deflateSync(Buffer.concat(Array(256).fill(row)));
+  const rows = deflateSync(Buffer.concat(Array(side).fill(row)));
   return Buffer.concat([signature, chunk('IHDR', header), chunk('IDAT', rows), chunk('IEND', Buffer.alloc(0))]);
 }
+
+/** A page of one colour. @param {number[]} rgb */
+export const flat_page = (rgb) => flat_picture(256, rgb);
 
 /** A PNG of grey texels. @param {number} width @param {number} height @param {(x: number, y: number) => number} grey_at */
 export function grey_picture(width, height, grey_at) {

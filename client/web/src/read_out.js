@@ -97,7 +97,7 @@ const method_fact = (method) => ({text: method.replaceAll('_', ' '), meaning: me
 /** Something known of a page, and what it means where that needs saying. @typedef {{text: string, meaning?: string}} Fact */
 
 /** @param {import('./page_ledger.js').PageRecord} record @returns {Fact[]} */
-function facts_of({state, problem, bytes, milliseconds, server_milliseconds, server_cached, method, bound}) {
+function facts_of({state, problem, bytes, milliseconds, server_milliseconds, server_cached, method, bound, revision}) {
   if (state === 'failed') return problem ? [{text: problem}] : [];
   /** @type {Fact[]} */
   const facts = [];
@@ -105,6 +105,7 @@ function facts_of({state, problem, bytes, milliseconds, server_milliseconds, ser
   if (state === 'ready' && milliseconds !== undefined) facts.push({text: `came in ${format_milliseconds(milliseconds)}`});
   if (state === 'ready' && server_cached) facts.push({text: 'kept by the server'});
   if (state === 'ready' && server_milliseconds !== undefined) facts.push({text: `made in ${format_milliseconds(server_milliseconds)}`});
+  if (revision) facts.push({text: `revision ${with_separators(revision)}`, meaning: 'Of the page: the last edit that touched it.'});
   if (method) facts.push(method_fact(method));
   if (bound) facts.push({text: bound_text(Number(bound)), meaning: bound_meaning(Number(bound))});
   return facts;

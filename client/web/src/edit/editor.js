@@ -1,5 +1,6 @@
 import {icon_button} from '../dom.js';
 import {Carry} from './carry.js';
+import {listen_to_editor_keys} from './editor_keys.js';
 import {Hand, put_at} from './hand.js';
 import {History} from './history.js';
 import {Palette} from './palette.js';
@@ -66,7 +67,7 @@ export class Editor {
     live.addEventListener('rights', () => this.#follow_rights(), until);
     live.addEventListener('edit', (event) => this.#heard(/** @type {CustomEvent} */ (event).detail), until);
     live.people.addEventListener('moved', () => this.#map.changed(), until);
-    document.addEventListener('keydown', (event) => this.#key(event), {capture: true, ...until});
+    listen_to_editor_keys(this, () => this.#map.resolution(), this.#closed.signal);
   }
 
   close() {
@@ -319,6 +320,19 @@ export class Editor {
     }
   }
 
+  /** Lets go, deselects, leaves: one of them at a time. */
+  escape() {
+    if (this.#hand.cancel()) return;
+    if (this.#placing !== null) this.choose(null);
+    else if (this.#selected.length > 0) this.#select([]);
+    else this.toggle();
+  }
+
+  select_all() {
+    const view = this.#map.view();
+    if (view && this.book) this.#select(this.book.within(view).map(({id}) => id).slice(0, most_changes));
+  }
+
   // ---- What is in the hand
 
   get #fresh_hold() {
@@ -419,52 +433,11 @@ export class Editor {
     this.#map.changed();
   }
 
-  /** @param {KeyboardEvent} event */
-  #key(event) {
-    const target = /** @type {HTMLElement} */ (event.target);
-    if (!this.active || event.altKey || target.closest?.('input:not([type=range], [type=radio], [type=checkbox]), dialog')) return;
-    const act = this.#action_of(event);
-    if (!act) return;
-    event.preventDefault();
-    event.stopPropagation();
-    act();
-  }
-
-  /** @param {KeyboardEvent} event @returns {(() => void) | null} */
-  #action_of({key, ctrlKey, metaKey, shiftKey}) {
-    const name = key.length === 1 ? key.toLowerCase() : key;
-    if (ctrlKey || metaKey) {
-      if (name === 'z') return () => (shiftKey ? this.redo() : this.undo());
-      if (name === 'y') return () => this.redo();
-      if (name === 'd') return () => this.duplicate();
-      if (name === 'a') return () => this.#select((this.#map.view() && this.book ? this.book.within(/** @type {any} */ (this.#map.view())) : []).map(({id}) => id).slice(0, most_changes));
-      return null;
-    }
-    if (name === 'Escape') return () => this.#escape();
-    if (name === 'v') return () => this.choose(null);
-    if (/^[1-9]$/.test(name) && this.patterns && Number(name) <= this.patterns.count) return () => this.choose(Number(name) - 1);
-    if (this.#selected.length === 0) return null;
-    if (name === 'Delete' || name === 'Backspace') return () => this.remove();
-    if (name === 'PageUp' || name === 'PageDown') return () => this.raise(name === 'PageUp');
-    if (name === 'r') return () => this.#change_together({turn: (shiftKey ? -1 : 1) / 24});
-    const directions = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]};
-    const direction = directions[/** @type {keyof typeof directions} */ (name)];
-    const far = (shiftKey ? 10 : 1) * Math.max(1, Math.round(this.#map.resolution()));
-    return direction ? () => this.#change_together({dx: direction[0] * far, dy: direction[1] * far}) : null;
-  }
-
-  /** @param {{dx?: number, dy?: number, turn?: number}} how */
-  #change_together(how) {
+  /** All that is selected, about its common middle. @param {{dx?: number, dy?: number, turn?: number}} how */
+  change_together(how) {
     const taken = this.selection.filter(({moves}) => !moves);
     if (taken.length === 0) return;
     const {x0, y0, x1, y1} = box_around(taken.map((sprite) => box_of(sprite, this.side)));
     this.#put(this.#carry_of(taken, transformed(taken, {about: {x: (x0 + x1) / 2, y: (y0 + y1) / 2}, ...how})), taken);
-  }
-
-  #escape() {
-    if (this.#hand.cancel()) return;
-    if (this.#placing !== null) this.choose(null);
-    else if (this.#selected.length > 0) this.#select([]);
-    else this.toggle();
   }
 }

@@ -1,18 +1,20 @@
 /**
  * A sprite as the editor holds it; positions in texels of level 0.
  * @typedef {{id: bigint, pattern: number, x: number, y: number, scale: number, turn: number, order: number, moves: boolean,
- *   first_step: number, end_step: number}} Sprite
+ *   first_step: number, end_step: number, more?: any}} Sprite `more`: what the editor keeps as it is.
  */
 
 export const least_scale = 1 / 64, most_scale = 4;
 
 /** @param {any} placed A SpritePlacement, of the stream (camelCase, BigInts) or of JSON (snake_case, text). @returns {Sprite} */
 export function sprite_of(placed) {
+  const whole = (/** @type {any} */ value) => (value === undefined ? undefined : BigInt(value));
   const number = (/** @type {any} */ value, /** @type {number} */ usual) => (value === undefined ? usual : Number(value));
   return {
     id: BigInt(placed.id), pattern: placed.pattern ?? 0, x: number(placed.x, 0), y: number(placed.y, 0), scale: placed.scale ?? 1,
     turn: placed.turn ?? 0, order: placed.order ?? 0, moves: Boolean(placed.path),
     first_step: number(placed.firstStep ?? placed.first_step, -Infinity), end_step: number(placed.endStep ?? placed.end_step, Infinity),
+    more: {animation: placed.animation, phase: whole(placed.phase), firstStep: whole(placed.firstStep ?? placed.first_step), endStep: whole(placed.endStep ?? placed.end_step)},
   };
 }
 
@@ -24,7 +26,7 @@ export function settled(sprite) {
 }
 
 /** A SpritePlacement. @param {Sprite} sprite */
-export const placement_of = ({id, pattern, x, y, scale, turn, order}) => ({id, pattern, x, y, scale, turn, order});
+export const placement_of = ({id, pattern, x, y, scale, turn, order, more}) => ({id, pattern, x, y, scale, turn, order, ...more});
 
 /** An id that nobody else draws. */
 export function new_sprite_id() {
