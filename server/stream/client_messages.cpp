@@ -137,7 +137,6 @@ void StreamSession::take_windows(const proto::Windows& message) {
     if (message.has_seen_revision()) seen = message.seen_revision();
     if (const auto replaced = windows_.replace(asked, scene->extent, seen, scene->revision); !replaced)
         return goodbye(Goodbye::wrong_message, replaced.error().detail, 1008);
-    next_invalidation_ = {};
     wake();
 }
 
@@ -165,14 +164,16 @@ void StreamSession::take_asks(const proto::PageAsks& message) {
             refuse(Refusal::wrong, "step: an integer from -2^62 to 2^62");
             continue;
         }
-        const auto urgency = static_cast<std::uint8_t>(std::min<std::uint32_t>(asked.urgency(), Urgency::least));
+        const auto urgency =
+            static_cast<std::uint8_t>(std::min<std::uint32_t>(asked.urgency(), Urgency::least));
         switch (pages_.add({.id = asked.id(),
-                            .key = {static_cast<std::uint8_t>(key.level()), static_cast<std::uint32_t>(key.x()),
-                                    static_cast<std::uint32_t>(key.y())},
+                            .key = {static_cast<std::uint8_t>(key.level()),
+                                    static_cast<std::uint32_t>(key.x()), static_cast<std::uint32_t>(key.y())},
                             .step = asked.step(),
                             .least_revision = asked.least_revision(),
                             .urgency = {urgency},
-                            .have = page_id_of_tag(asked.have()),
+                            .have = read_tag(asked.have()),
+                            .brief = message.options().brief(),
                             .options = shared})) {
             case PageFlow::Added::yes:
                 break;
@@ -191,8 +192,7 @@ void StreamSession::take_edit(proto::Edit edit) {
     service_.metrics.edits.Increment();
     const std::string id = edit.id();
     const Access::Decision allowed = may_edit();
-    if (!allowed.allowed)
-        return refuse_edit(id, {EditRefusal::Why::wrong, allowed.why, told_}, true);
+    if (!allowed.allowed) return refuse_edit(id, {EditRefusal::Why::wrong, allowed.why, told_}, true);
     if (edits_under_way_ >= options_.edits)
         return refuse_edit(id, {EditRefusal::Why::overloaded, "too many edits of this client wait", told_});
     auto author = author_of(edit.author(), allowed);
@@ -202,14 +202,14 @@ void StreamSession::take_edit(proto::Edit edit) {
     ++edits_under_way_;
     const auto key = edit_id_from(id);
     if (key) hub_->edit_begins(*key, session_);
-    service_.edits.edit(scene_id_, std::move(edit),
-                        [weak = weak_from_this(), executor = thread_.executor(), hub = hub_, key,
-                         id](EditOutcome outcome) {
-                            if (key) hub->edit_ends(*key);
-                            boost::asio::post(executor, [weak, id, outcome = std::move(outcome)]() mutable {
-                                if (const auto self = weak.lock()) self->edit_answered(id, std::move(outcome));
-                            });
-                        });
+    service_.edits.edit(
+        scene_id_, std::move(edit),
+        [weak = weak_from_this(), executor = thread_.executor(), hub = hub_, key, id](EditOutcome outcome) {
+            if (key) hub->edit_ends(*key);
+            boost::asio::post(executor, [weak, id, outcome = std::move(outcome)]() mutable {
+                if (const auto self = weak.lock()) self->edit_answered(id, std::move(outcome));
+            });
+        });
 }
 
 void StreamSession::edit_answered(const std::string& id, EditOutcome outcome) {

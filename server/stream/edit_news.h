@@ -33,7 +33,7 @@ class EditNewsRing {
     void skip(Revision revision);
 
     struct Next {
-        EditNewsPtr news;         ///< The first one after those that were told; null: no more.
+        EditNewsPtr news;        ///< The first one after those that were told; null: no more.
         Revision missed_to = 0;  ///< Not 0: those up to here are not kept any more.
     };
     Next after(Revision told) const;

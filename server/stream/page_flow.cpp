@@ -17,7 +17,8 @@ PageFlow::Added PageFlow::add(StreamAsk ask) {
 }
 
 void PageFlow::grant(std::uint64_t credits) noexcept {
-    credits_ = std::min<std::uint64_t>(options_.credits, credits_ + std::min<std::uint64_t>(credits, options_.credits));
+    credits_ = std::min<std::uint64_t>(options_.credits,
+                                       credits_ + std::min<std::uint64_t>(credits, options_.credits));
 }
 
 void PageFlow::remove(std::unordered_map<std::uint32_t, Ask>::iterator ask) {
@@ -31,6 +32,7 @@ void PageFlow::remove(std::unordered_map<std::uint32_t, Ask>::iterator ask) {
         case State::done:
             done_.erase(place_of(ask->second));
             held_bytes_ -= ask->second.page->bytes();
+            full_ = false;
             break;
     }
     asks_.erase(ask);
@@ -47,13 +49,14 @@ void PageFlow::clear() {
     waiting_.clear();
     done_.clear();
     started_ = held_bytes_ = 0;
+    full_ = false;
     asks_.clear();
 }
 
 std::optional<PageFlow::Started> PageFlow::start() {
     const std::size_t under_way = started_ + done_.size();
     if (waiting_.empty() || credits_ == 0 || under_way >= credits_ + look_ahead ||
-        under_way >= options_.pages_under_way || held_bytes_ >= options_.held_bytes)
+        under_way >= options_.pages_under_way || full_)
         return std::nullopt;
     Ask& ask = asks_.find(waiting_.begin()->id)->second;
     waiting_.erase(waiting_.begin());
@@ -80,6 +83,7 @@ void PageFlow::finish(const Started& started, StreamPage page) {
     if (!done_.empty() && held_bytes_ + page.bytes() > options_.held_bytes) {
         ask->state = State::waiting;
         waiting_.insert(place_of(*ask));
+        full_ = true;
         return;
     }
     ask->state = State::done;

@@ -14,6 +14,13 @@
 
 namespace tessera {
 
+/// What a client names a page's bytes by: all of the page's id, or its first half.
+struct PageTag {
+    PageId id;
+    bool half = false;
+    bool names(PageId other) const noexcept { return half ? id.high == other.high : id == other; }
+};
+
 /// A page that a client asked for.
 struct StreamAsk {
     std::uint32_t id = 0;  ///< The client's number.
@@ -21,7 +28,8 @@ struct StreamAsk {
     Step step = 0;
     Revision least_revision = 0;
     Urgency urgency;
-    std::optional<PageId> have;                    ///< The copy that the client has.
+    std::optional<PageTag> have;  ///< Of the copy that the client has.
+    bool brief = false;
     std::shared_ptr<const PageOptions> options;  ///< But for the step; shared by what was asked for at once.
 };
 
@@ -34,13 +42,14 @@ struct StreamPage {
     Revision scene_revision = 0;  ///< All edits up to this one are in it.
     PagePtr page;                 ///< Null: the client's copy is right, and more is not known.
     bool unchanged = false;       ///< The client's copy is right: its texels are not sent.
+    bool brief = false;
 
     std::size_t bytes() const noexcept { return page && !unchanged ? page->bytes->size() : 0; }
 };
 
 /// The pages of one client between its ask and the answer: they wait here, are started in order of urgency
-/// and only as far as credits reach, so that what is cancelled while it waits costs nothing; and when they are
-/// done they wait for a credit and for the socket, few of them. No I/O, no locks.
+/// and only as far as credits reach, so that what is cancelled while it waits costs nothing; and when they
+/// are done they wait for a credit and for the socket, few of them. No I/O, no locks.
 class PageFlow {
   public:
     explicit PageFlow(const StreamOptions& options) : options_{options} {}
@@ -103,6 +112,7 @@ class PageFlow {
     std::set<Place> waiting_, done_;
     std::size_t started_ = 0;
     std::size_t held_bytes_ = 0;
+    bool full_ = false;  ///< A page was given up for want of room: no other begins before one has left.
     std::uint64_t credits_ = 0;
     Number next_number_ = 0;
 };

@@ -50,8 +50,7 @@ Result<PageOptions> page_options_of(const proto::StreamPageOptions& message) {
     if (message.gutter() > static_cast<std::uint32_t>(max_gutter_texels))
         return malformed("options.gutter: texels from 0 to " + std::to_string(max_gutter_texels));
     options.gutter = static_cast<std::uint8_t>(message.gutter());
-    const auto accuracy =
-        message.accuracy().empty() ? Accuracy::high : accuracy_named(message.accuracy());
+    const auto accuracy = message.accuracy().empty() ? Accuracy::high : accuracy_named(message.accuracy());
     if (!accuracy) return malformed("options.accuracy: exact, high or fast");
     options.accuracy = *accuracy;
     if (message.has_max_error()) {
@@ -62,8 +61,7 @@ Result<PageOptions> page_options_of(const proto::StreamPageOptions& message) {
     }
     const auto channels =
         message.channels().empty() ? ChannelSet::albedo : channel_set_named(message.channels());
-    if (!channels)
-        return malformed("options.channels: albedo, normal, roughness, height or moments");
+    if (!channels) return malformed("options.channels: albedo, normal, roughness, height or moments");
     options.channels = *channels;
     if (message.slice() < -max_slice || message.slice() > max_slice)
         return malformed("options.slice: an integer from -2^40 to 2^40");
@@ -71,38 +69,43 @@ Result<PageOptions> page_options_of(const proto::StreamPageOptions& message) {
     return options;
 }
 
-std::string tag_of(PageId id) {
-    std::string tag;
-    append_big_endian(tag, id.high);
-    append_big_endian(tag, id.low);
-    return tag;
+std::string tag_bytes(PageTag tag) {
+    std::string bytes;
+    append_big_endian(bytes, tag.id.high);
+    if (!tag.half) append_big_endian(bytes, tag.id.low);
+    return bytes;
 }
 
-std::optional<PageId> page_id_of_tag(std::string_view tag) {
-    if (tag.size() != 16) return std::nullopt;
-    return PageId{big_endian(tag.substr(0, 8)), big_endian(tag.substr(8))};
+std::optional<PageTag> read_tag(std::string_view bytes) {
+    if (bytes.size() == 8) return PageTag{{big_endian(bytes), 0}, true};
+    if (bytes.size() == 16) return PageTag{{big_endian(bytes.substr(0, 8)), big_endian(bytes.substr(8))}};
+    return std::nullopt;
 }
 
 PageMessage page_message(const StreamPage& page) {
     proto::PageData data;
     data.set_id(page.id);
-    proto::StreamPageKey& key = *data.mutable_page();
-    key.set_level(page.key.level);
-    key.set_x(page.key.x);
-    key.set_y(page.key.y);
-    data.set_revision(page.revision);
+    if (!page.brief) {
+        proto::StreamPageKey& key = *data.mutable_page();
+        key.set_level(page.key.level);
+        key.set_x(page.key.x);
+        key.set_y(page.key.y);
+        data.set_revision(page.revision);
+    }
     data.set_scene_revision(page.scene_revision);
-    data.set_tag(tag_of(page.tag));
+    data.set_tag(tag_bytes({page.tag, page.brief}));
     data.set_unchanged(page.unchanged);
     PageMessage message;
     if (page.page) {
         const Evaluation& evaluation = page.page->evaluation;
         if (evaluation.validity.from != always) data.set_from(evaluation.validity.from);
         if (evaluation.validity.until != never) data.set_until(evaluation.validity.until);
-        data.set_method(evaluation.method.data(), evaluation.method.size());
-        data.set_bound_codes(evaluation.bound_codes);
-        data.set_confidence(evaluation.confidence);
-        data.set_cost(evaluation.work);
+        if (!page.brief) {
+            data.set_method(evaluation.method.data(), evaluation.method.size());
+            data.set_bound_codes(evaluation.bound_codes);
+            data.set_confidence(evaluation.confidence);
+            data.set_cost(evaluation.work);
+        }
         if (page.unchanged) {
         } else if (page.page->colour) {
             data.set_colour(*page.page->colour);

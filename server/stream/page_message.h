@@ -16,9 +16,9 @@ class StreamPageOptions;
 /// Format, gutter and so on, as /scenes/{id}/{z}/{x}/{y} takes them. Error: malformed_request.
 Result<PageOptions> page_options_of(const proto::StreamPageOptions& message);
 
-/// PageData.tag: 16 bytes.
-std::string tag_of(PageId id);
-std::optional<PageId> page_id_of_tag(std::string_view tag);
+/// PageData.tag: 16 bytes, or 8 in brief answers.
+std::string tag_bytes(PageTag tag);
+std::optional<PageTag> read_tag(std::string_view bytes);
 
 /// A ServerMessage with a PageData: what goes before the texels, which are the message's last bytes and are
 /// sent from where they are.

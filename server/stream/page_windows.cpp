@@ -9,10 +9,12 @@ namespace {
 /// The texels of level 0 that the pages' texels, with the widest gutter, are made of.
 TexelBox texels_of(const PageWindow& window) noexcept {
     const auto begin = [&](std::uint32_t page) {
-        return (std::int64_t{page} * page_side_texels - max_gutter_texels) * (std::int64_t{1} << window.level);
+        return (std::int64_t{page} * page_side_texels - max_gutter_texels) *
+               (std::int64_t{1} << window.level);
     };
     const auto end = [&](std::uint32_t page) {
-        return (std::int64_t{page} * page_side_texels + max_gutter_texels) * (std::int64_t{1} << window.level);
+        return (std::int64_t{page} * page_side_texels + max_gutter_texels) *
+               (std::int64_t{1} << window.level);
     };
     return {begin(window.x0), begin(window.y0), end(window.x1), end(window.y1)};
 }
@@ -37,8 +39,8 @@ void find_stale(const PageRevisions& revisions, const PageWindow& window, std::v
 
 }  // namespace
 
-Result<void> PageWindows::replace(const std::vector<Asked>& asked, Extent extent, std::optional<Revision> seen,
-                                  Revision now) {
+Result<void> PageWindows::replace(const std::vector<Asked>& asked, Extent extent,
+                                  std::optional<Revision> seen, Revision now) {
     const auto refuse = [](std::string why) { return Error{ErrorCode::malformed_request, std::move(why)}; };
     if (asked.size() > most_windows_)
         return refuse("windows: at most " + std::to_string(most_windows_) + " at a time");
@@ -51,7 +53,11 @@ Result<void> PageWindows::replace(const std::vector<Asked>& asked, Extent extent
         const auto clip = [side](std::int64_t at) {
             return static_cast<std::uint32_t>(std::clamp<std::int64_t>(at, 0, side));
         };
-        PageWindow window{level, clip(rectangle.x0), clip(rectangle.y0), clip(rectangle.x1), clip(rectangle.y1),
+        PageWindow window{level,
+                          clip(rectangle.x0),
+                          clip(rectangle.y0),
+                          clip(rectangle.x1),
+                          clip(rectangle.y1),
                           std::min(seen.value_or(now), now)};
         if (window.x0 >= window.x1 || window.y0 >= window.y1) continue;
         if (window.pages() > most_pages_ || (pages += window.pages()) > most_pages_)

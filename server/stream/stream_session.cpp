@@ -54,7 +54,9 @@ void StreamSession::check(Clock::time_point now) {
     if (hub_ && now >= next_clock_) wake();
 }
 
-void StreamSession::drain() { goodbye(Goodbye::stopping, "the server is stopping; come back in a moment", 1001); }
+void StreamSession::drain() {
+    goodbye(Goodbye::stopping, "the server is stopping; come back in a moment", 1001);
+}
 
 void StreamSession::site_changed() {
     if (!hub_) return;
@@ -81,14 +83,17 @@ void StreamSession::wake() {
 }
 
 void StreamSession::woke() {
-    asleep_ = false;
+    wakes_at_ = Clock::time_point::max();
     wake();
 }
 
 /// Whether it is `at` already; else this session looks again later.
 bool StreamSession::is_time(Clock::time_point at) {
     if (Clock::now() >= at) return true;
-    if (!std::exchange(asleep_, true)) thread_.wake_soon(shared_from_this());
+    if (at < wakes_at_) {
+        wakes_at_ = at;
+        thread_.wake_at(at, shared_from_this());
+    }
     return false;
 }
 
@@ -124,7 +129,7 @@ void StreamSession::start_page(const PageFlow::Started& started) {
     if (known) {
         // It is found often, and then costs no other thread anything
         PagePtr page = service_.pages.find(*known, request);
-        const bool unchanged = ask.have == *known;
+        const bool unchanged = ask.have && ask.have->names(*known);
         if (page || unchanged)
             return pages_.finish(started, {.id = ask.id,
                                            .key = ask.key,
@@ -132,19 +137,20 @@ void StreamSession::start_page(const PageFlow::Started& started) {
                                            .revision = page_revision(*scene, ask.key),
                                            .scene_revision = scene->revision,
                                            .page = std::move(page),
-                                           .unchanged = unchanged});
+                                           .unchanged = unchanged,
+                                           .brief = ask.brief});
     }
     pages_.set_ticket(
-        started,
-        service_.pages.request(request, [weak = weak_from_this(), executor = thread_.executor(), started,
-                                         revision = scene->revision](Result<PagePtr> page) {
+        started, service_.pages.request(request, [weak = weak_from_this(), executor = thread_.executor(),
+                                                  started, revision = scene->revision](Result<PagePtr> page) {
             boost::asio::post(executor, [weak, started, revision, page = std::move(page)]() mutable {
                 if (const auto self = weak.lock()) self->page_done(started, revision, std::move(page));
             });
         }));
 }
 
-void StreamSession::page_done(const PageFlow::Started& started, Revision scene_revision, Result<PagePtr> page) {
+void StreamSession::page_done(const PageFlow::Started& started, Revision scene_revision,
+                              Result<PagePtr> page) {
     using Refusal = proto::PageRefusal;
     if (page) {
         const StreamAsk& ask = started.ask;
@@ -156,7 +162,8 @@ void StreamSession::page_done(const PageFlow::Started& started, Revision scene_r
                                 .revision = revision,
                                 .scene_revision = scene_revision,
                                 .page = std::move(*page),
-                                .unchanged = ask.have == tag});
+                                .unchanged = ask.have && ask.have->names(tag),
+                                .brief = ask.brief});
     } else if (pages_.drop(started)) {
         const Error& error = page.error();
         const auto why = error.code == ErrorCode::overloaded  ? Refusal::overloaded
@@ -235,8 +242,8 @@ std::optional<std::string> StreamSession::next_replaced(const ScenePtr& scene) {
 namespace {
 
 void write_clock(const SceneClock& clock, proto::ClockNow& message) {
-    const auto reading = clock.read(
-        std::chrono::floor<std::chrono::milliseconds>(std::chrono::system_clock::now()));
+    const auto reading =
+        clock.read(std::chrono::floor<std::chrono::milliseconds>(std::chrono::system_clock::now()));
     message.set_steps_per_second(clock.steps_per_second);
     message.set_loop_steps(clock.loop_steps);
     message.set_playing(clock.playing);
@@ -262,12 +269,14 @@ std::optional<std::string> StreamSession::next_invalidation(const Scene& scene) 
     const bool behind = windows_.behind(now);
     if (!behind && told_ >= now) return std::nullopt;
     if (!is_time(next_invalidation_)) return std::nullopt;
-    const std::vector<StalePage> stale = behind ? windows_.take_stale(scene.page_revisions, now)
-                                                : std::vector<StalePage>{};
+    const auto begun = Clock::now();
+    const std::vector<StalePage> stale =
+        behind ? windows_.take_stale(scene.page_revisions, now) : std::vector<StalePage>{};
     // A revision that changed nothing here is told, too, but not each
     if (stale.empty() && (told_ >= now || !is_time(next_revision_))) return std::nullopt;
+    // Nobody's windows take more than a fifth of this thread's time
     const auto time = Clock::now();
-    next_invalidation_ = time + options_.invalidation_pause;
+    next_invalidation_ = time + std::max<Clock::duration>(options_.invalidation_pause, 4 * (time - begun));
     next_revision_ = time + options_.revision_pause;
     if (now > told_ + 1) service_.metrics.revisions_coalesced.Increment(static_cast<double>(now - told_ - 1));
     told_ = now;

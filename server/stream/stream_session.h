@@ -98,30 +98,30 @@ class StreamSession final : public StreamEnd, public std::enable_shared_from_thi
     std::string token_, name_;
     StreamSocket socket_;
 
-    std::shared_ptr<SceneHub> hub_;        ///< From the hello on.
+    std::shared_ptr<SceneHub> hub_;  ///< From the hello on.
     std::shared_ptr<Audience> audience_;
     std::uint64_t session_ = 0;
-    std::string fingerprint_;              ///< As the client was told.
+    std::string fingerprint_;  ///< As the client was told.
     bool wants_presence_ = false, wants_edits_ = false;
-    bool leaving_ = false;                 ///< Goodbye is the last message.
+    bool leaving_ = false;  ///< Goodbye is the last message.
     bool said_goodbye_ = false;
     unsigned close_code_ = 0;
     std::string close_why_;
 
-    std::deque<std::string> answers_;      ///< To what the client sent; while they are many, nothing is read.
+    std::deque<std::string> answers_;  ///< To what the client sent; while they are many, nothing is read.
     std::size_t answer_bytes_ = 0;
     bool read_paused_ = false;
 
     PageFlow pages_;
     PageWindows windows_;
-    std::optional<Revision> resumes_;      ///< The revision that the client has seen before a break.
-    Revision told_ = 0;                    ///< The revision that the client heard last.
+    std::optional<Revision> resumes_;  ///< The revision that the client has seen before a break.
+    Revision told_ = 0;                ///< The revision that the client heard last.
     Revision news_told_ = 0;
     PresenceBoard::Version presence_read_ = 0;
     SceneClock clock_;
     std::size_t edits_under_way_ = 0;
     bool news_turn_ = false;
-    bool asleep_ = false;
+    Clock::time_point wakes_at_ = Clock::time_point::max();
     Clock::time_point hello_by_{}, next_invalidation_{}, next_revision_{}, next_presence_{}, next_clock_{};
 };
 

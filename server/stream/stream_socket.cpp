@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <utility>
 
+#include <boost/asio/buffer.hpp>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <sys/socket.h>
-
-#include <boost/asio/buffer.hpp>
 
 namespace tessera {
 namespace {
@@ -70,18 +69,20 @@ void StreamSocket::read_on() {
     if (ended_) return;
     input_.consume(input_.size());
     if (input_.capacity() > kept_input_bytes) input_.shrink_to_fit();
-    socket_.async_read(input_, [this, end = end_.lock()](const boost::system::error_code& failure, std::size_t) {
-        if (failure == websocket::error::closed) return this->end("the client left");
-        if (failure) {
-            std::string room;
-            return this->end(text_of(failure, room));
-        }
-        heard();
-        if (closing_) return read_on();  // nothing but the end matters any more
-        if (socket_.got_text()) return close(websocket::close_code::unknown_data, "messages are binary");
-        const auto bytes = input_.cdata();
-        end->received({static_cast<const char*>(bytes.data()), bytes.size()});
-    });
+    socket_.async_read(input_,
+                       [this, end = end_.lock()](const boost::system::error_code& failure, std::size_t) {
+                           if (failure == websocket::error::closed) return this->end("the client left");
+                           if (failure) {
+                               std::string room;
+                               return this->end(text_of(failure, room));
+                           }
+                           heard();
+                           if (closing_) return read_on();  // nothing but the end matters any more
+                           if (socket_.got_text())
+                               return close(websocket::close_code::unknown_data, "messages are binary");
+                           const auto bytes = input_.cdata();
+                           end->received({static_cast<const char*>(bytes.data()), bytes.size()});
+                       });
 }
 
 void StreamSocket::send(std::string head, std::span<const std::uint8_t> body,
@@ -93,15 +94,16 @@ void StreamSocket::send(std::string head, std::span<const std::uint8_t> body,
     write_begun_ = Clock::now();
     const std::array<boost::asio::const_buffer, 2> buffers{
         boost::asio::buffer(head_), boost::asio::const_buffer{body_.data(), body_.size()}};
-    socket_.async_write(buffers, [this, end = end_.lock()](const boost::system::error_code& failure, std::size_t) {
-        writing_ = false;
-        owner_.reset();
-        if (failure) {
-            std::string room;
-            return this->end(text_of(failure, room));
-        }
-        end->sent();
-    });
+    socket_.async_write(buffers,
+                        [this, end = end_.lock()](const boost::system::error_code& failure, std::size_t) {
+                            writing_ = false;
+                            owner_.reset();
+                            if (failure) {
+                                std::string room;
+                                return this->end(text_of(failure, room));
+                            }
+                            end->sent();
+                        });
 }
 
 void StreamSocket::close(unsigned code, std::string_view why) {
@@ -111,9 +113,8 @@ void StreamSocket::close(unsigned code, std::string_view why) {
     const websocket::close_reason reason{
         static_cast<websocket::close_code>(code),
         beast::string_view{why.data(), std::min<std::size_t>(why.size(), 120)}};
-    socket_.async_close(reason, [this, end = end_.lock()](const boost::system::error_code&) {
-        this->end("closed");
-    });
+    socket_.async_close(reason,
+                        [this, end = end_.lock()](const boost::system::error_code&) { this->end("closed"); });
 }
 
 void StreamSocket::abort() {
@@ -151,7 +152,8 @@ void StreamSocket::check(Clock::time_point now) {
     } else if (now - heard_at_ > options_.ping_time && !pinging_) {
         pinging_ = pinged_ = true;
         pinged_at_ = now;
-        socket_.async_ping({}, [this, end = end_.lock()](const boost::system::error_code&) { pinging_ = false; });
+        socket_.async_ping({},
+                           [this, end = end_.lock()](const boost::system::error_code&) { pinging_ = false; });
     }
 }
 

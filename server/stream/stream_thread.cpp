@@ -1,13 +1,16 @@
 #include "server/stream/stream_thread.h"
 
+#include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "server/stream/stream_session.h"
 
 namespace tessera {
 namespace {
 
-constexpr std::chrono::milliseconds nap{4};
+/// Those who want to be woken within so little time are woken together.
+constexpr std::chrono::milliseconds nap{1};
 
 }  // namespace
 
@@ -55,18 +58,26 @@ std::shared_ptr<Audience> StreamThread::audience(const std::shared_ptr<SceneHub>
     return audience;
 }
 
-void StreamThread::wake_soon(const std::shared_ptr<StreamSession>& session) {
-    sleepers_.push_back(session);
-    if (!std::exchange(waiting_, true)) wait();
+void StreamThread::wake_at(Clock::time_point time, const std::shared_ptr<StreamSession>& session) {
+    sleepers_.emplace(time, session);
+    if (time < wakes_at_) wait();
 }
 
 void StreamThread::wait() {
-    timer_->expires_after(nap);
+    wakes_at_ = sleepers_.begin()->first;
+    timer_->expires_at(std::max(wakes_at_, Clock::now() + nap));  // what waits already does so no more
     timer_->async_wait([this](const boost::system::error_code& failure) {
-        waiting_ = false;
         if (failure) return;
-        for (const auto& sleeper : std::exchange(sleepers_, {}))
+        wakes_at_ = Clock::time_point::max();
+        const auto now = Clock::now();
+        std::vector<std::weak_ptr<StreamSession>> due;
+        while (!sleepers_.empty() && sleepers_.begin()->first <= now) {
+            due.push_back(std::move(sleepers_.begin()->second));
+            sleepers_.erase(sleepers_.begin());
+        }
+        for (const auto& sleeper : due)
             if (const auto session = sleeper.lock()) session->woke();
+        if (!sleepers_.empty() && sleepers_.begin()->first < wakes_at_) wait();
     });
 }
 

@@ -7,7 +7,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include <boost/asio/basic_waitable_timer.hpp>
 #include <boost/beast/http/empty_body.hpp>
@@ -26,8 +25,8 @@ class StreamSession;
 /// Who opens a stream, and to what. The address, the Origin and the handshake are checked.
 struct StreamOpening {
     std::string scene;
-    bool from_loopback = false;  ///< And so without a token. Not what a page of somebody else's opened.
-    std::string token;           ///< In the header; ClientHello may bring another.
+    bool from_loopback = false;        ///< And so without a token. Not what a page of somebody else's opened.
+    std::string token;                 ///< In the header; ClientHello may bring another.
     std::shared_ptr<void> place;       ///< From StreamService::admit().
     std::shared_ptr<void> connection;  ///< Counts the connection until it ends.
 };
@@ -44,8 +43,8 @@ class StreamThread {
     StreamThread(const StreamThread&) = delete;
     StreamThread& operator=(const StreamThread&) = delete;
 
-    /// Before anything else. Sessions that are cut off end with the thread's io_context, for which this object
-    /// still has to be there; but it must have nothing of the io_context's then.
+    /// Before anything else. Sessions that are cut off end with the thread's io_context, for which this
+    /// object still has to be there; but it must have nothing of the io_context's then.
     void attach(IoExecutor executor);
     void detach();
 
@@ -71,15 +70,14 @@ class StreamThread {
     const Catalog& catalog() const noexcept { return *catalog_; }
     const Access& access() const noexcept { return *access_; }
     std::shared_ptr<Audience> audience(const std::shared_ptr<SceneHub>& hub);
-    /// wake() is called in a few milliseconds.
-    void wake_soon(const std::shared_ptr<StreamSession>& session);
+    /// woke() is called then, or a few milliseconds later.
+    void wake_at(Clock::time_point time, const std::shared_ptr<StreamSession>& session);
 
   private:
     friend class StreamSession;
     void wait();
 
-    using Timer =
-        boost::asio::basic_waitable_timer<Clock, boost::asio::wait_traits<Clock>, IoExecutor>;
+    using Timer = boost::asio::basic_waitable_timer<Clock, boost::asio::wait_traits<Clock>, IoExecutor>;
 
     std::optional<IoExecutor> executor_;
     StreamService& service_;
@@ -87,9 +85,9 @@ class StreamThread {
     std::shared_ptr<const Access> access_;
     std::list<StreamSession*> sessions_;  ///< Those alive; they take themselves out.
     std::map<std::shared_ptr<SceneHub>, std::shared_ptr<Audience>> audiences_;
-    std::vector<std::weak_ptr<StreamSession>> sleepers_;
+    std::multimap<Clock::time_point, std::weak_ptr<StreamSession>> sleepers_;
     std::optional<Timer> timer_;
-    bool waiting_ = false;
+    Clock::time_point wakes_at_ = Clock::time_point::max();
 };
 
 }  // namespace tessera

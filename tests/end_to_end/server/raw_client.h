@@ -63,6 +63,7 @@ class RawClient {
         if (socket_ >= 0) ::close(std::exchange(socket_, -1));
     }
     void close_sending() { ::shutdown(socket_, SHUT_WR); }
+    void shut_down() { ::shutdown(socket_, SHUT_RDWR); }
 
     bool send(std::string_view bytes) {
         while (!bytes.empty()) {

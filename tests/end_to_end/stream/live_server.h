@@ -1,0 +1,62 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "server/http/server.h"
+#include "server/progress/progress.h"
+#include "tests/end_to_end/server/raw_client.h"
+#include "tests/end_to_end/stream/stream_client.h"
+#include "tests/unit/server/edits/made_scene.h"
+#include "tests/unit/server/pages/test_textures.h"
+
+namespace tessera::test {
+
+inline ServerOptions stream_options() {
+    ServerOptions options;
+    options.port = 0;
+    options.io_threads = 2;
+    options.pages.threads = 2;
+    return options;
+}
+
+/// A server on a free port of 127.0.0.1: `made`, which takes edits that last as long as it does, `gated`
+/// (its evaluations wait for the test) and `grey`, which is one colour.
+struct LiveServer {
+    explicit LiveServer(const ServerOptions& options = stream_options())
+        : server{Server::start(options).value()} {
+        publish();
+    }
+
+    void publish(const std::string& fingerprint = "0123456789abcdef", bool with_made = true) {
+        auto catalog = std::make_shared<Catalog>();
+        const auto add = [&](ScenePtr scene) { catalog->scenes.emplace(scene->id, scene); };
+        auto made = std::make_shared<Scene>(*made_scene());
+        made->title = "Sprites of the tests";
+        made->fingerprint = fingerprint;
+        if (with_made) add(made);
+        add(make_scene("gated", gated));
+        add(make_scene("grey", make_constant_texture({100, 150, 200, 255}), "9999999999999999"));
+        SilentProgress progress;
+        server->edits().adopt(*catalog, progress);
+        server->publish(std::move(catalog), WebFiles::plain());
+    }
+
+    StreamClient stream(const std::string& scene = "made") const {
+        return StreamClient{server->port(), scene};
+    }
+    RawClient http() const { return RawClient{server->port()}; }
+    ScenePtr now() { return server->edits().find("made")->now(); }
+
+    std::shared_ptr<GatedTexture> gated = std::make_shared<GatedTexture>();
+    std::unique_ptr<Server> server;
+};
+
+inline proto::ClientMessage message_of(const proto::Edit& edit) {
+    proto::ClientMessage message;
+    *message.mutable_edit() = edit;
+    return message;
+}
+
+}  // namespace tessera::test
