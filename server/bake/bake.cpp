@@ -147,8 +147,7 @@ Result<Baked> bake(const Texture& texture, const TexelRegion& region, std::optio
         std::int64_t done = 0;
         const double all = double(region.height) * (mip ? 2 : 1);
         for (TexelRegion level = region;;
-             level = {static_cast<std::uint8_t>(level.level + 1), level.x / 2, level.y / 2, level.width / 2,
-                      level.height / 2, level.slice, level.step}) {
+             ++level.level, level.x /= 2, level.y /= 2, level.width /= 2, level.height /= 2) {
             // TIFF keeps MIP levels as further images; readers of textures know them by "textureformat"
             const auto mode = level == region ? OIIO::ImageOutput::Create : OIIO::ImageOutput::AppendSubimage;
             if (!out->open(partial.string(),

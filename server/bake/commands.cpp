@@ -15,6 +15,7 @@
 #include "server/progress/interrupt.h"
 #include "server/progress/terminal_progress.h"
 #include "server/scene/scene.h"
+#include "shared/page/parameter.h"
 
 namespace tessera {
 namespace {
@@ -29,6 +30,7 @@ struct Arguments {
     std::uint32_t level = 0, x = 0, y = 0;
     std::int32_t gutter = 0;
     std::int64_t slice = 0, step = 0;
+    double parameter = 0;
     bool quiet = false;
 };
 
@@ -70,6 +72,10 @@ Error beyond_limit(const Arguments& arguments, double bound_codes) {
                                           arguments.max_error};
 }
 
+std::int32_t parameter_of(const Scene& scene, const Arguments& arguments) {
+    return scene.same_parameter(static_cast<std::int32_t>(arguments.parameter * parameter_one));
+}
+
 std::string validity_text(const Validity& valid) {
     if (valid.is_static()) return ", the same at every step";
     return ", the same from step " +
@@ -103,6 +109,7 @@ Result<void> run_page(const Arguments& arguments) {
     TexelRegion region = region_of(page, arguments.gutter);
     region.slice = (*scene)->same_slice(arguments.slice);
     region.step = (*scene)->same_step(arguments.step);
+    region.parameter = parameter_of(**scene, arguments);
     Rgba8Image texels;
     const auto evaluated = evaluate_within(**texture, region, *limit,
                                            Budget{.accuracy = *accuracy_named(arguments.accuracy)}, texels);
@@ -154,6 +161,7 @@ Result<void> run_bake(const Arguments& arguments) {
     if (!scene) return scene.error();
     region->slice = (*scene)->same_slice(arguments.slice);
     region->step = (*scene)->same_step(arguments.step);
+    region->parameter = parameter_of(**scene, arguments);
     const auto texture = texture_of(**scene, arguments.channels);
     if (!texture) return texture.error();
     const Interrupt interrupt;
@@ -237,6 +245,11 @@ void add_output(CLI::App& command, Arguments& arguments, const char* help) {
         ->capture_default_str();
     command.add_option("--step", arguments.step, "Step of the animation clock, where the scene moves")
         ->check(CLI::Range(-max_step, max_step))
+        ->capture_default_str();
+    command
+        .add_option("--parameter", arguments.parameter,
+                    "What requests tell animations, 0 to 1, where the scene has such")
+        ->check(CLI::Range(0.0, 1.0))
         ->capture_default_str();
     command.add_flag("-q,--quiet", arguments.quiet, "Say nothing but errors");
 }

@@ -96,6 +96,8 @@ bool moves(const AnimationSetting& setting) {
 
 Result<void> compile_animation_map(Compilation& c, std::size_t block) {
     const proto::AnimationMap& message = c.graph.blocks[block].message->animation_map();
+    if (message.driver_case() != proto::AnimationMap::DRIVER_NOT_SET)
+        return compile_driven_animation(c, block);
     const auto& frames = c.blocks[c.named(message.sequence())].frames;
     CellNode node;
     const auto first = read_setting(c, block, "", message, {}, node.inputs);

@@ -82,23 +82,40 @@ void AnimationOp::run(const Stretch& stretch, const std::int32_t* const* in, std
 /// Any step, of cells that know of all settings.
 void AnimationOp::pass(const Stretch& stretch, const std::int32_t* const* in, std::int32_t* out) const {
     std::array<Cycle, max_settings> cycles;
-    const std::span<const Cycle> all{cycles.data(), settings_.size()};
-    for (std::int32_t i = 0; i < stretch.count; ++i) {
-        for (std::size_t setting = 0; setting < settings_.size(); ++setting)
+    const auto endless = [](const Cycle& cycle) { return cycle.rest >= endless_rest; };
+    // Two settings decide the frame; where it changes next and changed last, nearly always two more
+    const std::size_t change = change_at(changes_, stretch.step);
+    const std::size_t from = change < 1 ? 0 : change - 1;
+    const std::size_t near_from = change < 2 ? 0 : change - 2,
+                      near_end = std::min(change + 3, settings_.size());
+    const std::span<const Step> changes{changes_};
+    const auto shown = [&](std::size_t first, std::size_t end, std::int32_t i) {
+        for (std::size_t setting = first; setting < end; ++setting)
             cycles[setting] = cycle_of(settings_[setting], in, i);
-        if (std::all_of(all.begin(), all.end(),
-                        [](const Cycle& cycle) { return cycle.rest >= endless_rest; })) {
-            out[i] = frames_->patterns.front();
+        const std::span<const Cycle> some = std::span{cycles}.subspan(first, end - first);
+        if (std::all_of(some.begin(), some.end(), endless)) return Shown{};
+        return shown_at(frames_->line, some, changes.subspan(first, end - first - 1), stretch.step);
+    };
+    for (std::int32_t i = 0; i < stretch.count; ++i) {
+        if (stretch.validity == nullptr || is_one_step(*stretch.validity)) {
+            for (std::size_t setting = from; setting <= change; ++setting)
+                cycles[setting] = cycle_of(settings_[setting], in, i);
+            const std::span<const Cycle> both = std::span{cycles}.subspan(from, change - from + 1);
+            const std::int32_t frame =
+                std::all_of(both.begin(), both.end(), endless)
+                    ? 0
+                    : frame_at(frames_->line, both, changes.subspan(from, change - from), stretch.step);
+            out[i] = frames_->patterns[static_cast<std::size_t>(frame)];
             continue;
         }
-        if (stretch.validity != nullptr && !is_one_step(*stretch.validity)) {
-            const Shown shown = shown_at(frames_->line, all, changes_, stretch.step);
-            stretch.validity->meet(shown.validity);
-            out[i] = frames_->patterns[static_cast<std::size_t>(shown.frame)];
-        } else {
-            out[i] = frames_->patterns[static_cast<std::size_t>(
-                frame_at(frames_->line, all, changes_, stretch.step))];
-        }
+        Shown is = shown(near_from, near_end, i);
+        // What lasts into settings further off
+        if ((near_from > 0 &&
+             is.validity.from <= add_steps(changes_[near_from - 1], steps_between_changes(frames_->line))) ||
+            (near_end < settings_.size() && is.validity.until > changes_[near_end - 1]))
+            is = shown(0, settings_.size(), i);
+        stretch.validity->meet(is.validity);
+        out[i] = frames_->patterns[static_cast<std::size_t>(is.frame)];
     }
 }
 

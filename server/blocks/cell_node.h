@@ -11,6 +11,7 @@
 #include "server/blocks/animation_op.h"
 #include "server/blocks/cell_op.h"
 #include "server/blocks/cell_program.h"
+#include "server/blocks/driven_op.h"
 #include "server/blocks/graph.h"
 #include "server/blocks/stored_map.h"
 
@@ -49,6 +50,7 @@ struct CellNode {
     std::optional<CellDraw> draw;
     std::optional<CellMap> map;
     std::shared_ptr<const AnimationOp> animation;  ///< The op, where it is one.
+    std::shared_ptr<const DrivenOp> driven;        ///< The same.
 
     bool constant() const noexcept { return least == most && !steps; }
 };

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "shared/motion/cycle.h"
+#include "shared/motion/targets.h"
 
 namespace tessera {
 
@@ -29,6 +30,9 @@ struct Stretch {
     const std::uint16_t* types = nullptr;   ///< Of these cells, where something is typed.
     Validity* validity = nullptr;           ///< Animations narrow it to the steps in which no cell changes.
     const AnimationProbe* probe = nullptr;  ///< Asked instead of the step.
+    std::int32_t parameter = 0;             ///< As TexelRegion's.
+    const TargetDistances* targets = nullptr;
+    int cell_log2 = 0;  ///< Of the grid: a cell's side in texels.
 };
 
 /// One small function of the graph, over a stretch of cells: integers, or numbers in steps of 2^-16. Called

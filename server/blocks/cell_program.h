@@ -5,7 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "server/blocks/scroll.h"
 #include "server/blocks/stored_map.h"
+#include "shared/motion/targets.h"
 #include "shared/motion/validity.h"
 
 namespace tessera {
@@ -20,6 +22,8 @@ struct CellRow {
     const std::uint16_t* types =
         nullptr;                   ///< Of these cells in the grid's quadtree; needed if needs_types().
     Validity* validity = nullptr;  ///< Narrowed, if given, to the steps in which no cell's frame changes.
+    std::int32_t parameter = 0;    ///< As TexelRegion's.
+    const TargetDistances* targets = nullptr;
 };
 
 /// What a cell shows.
@@ -49,6 +53,7 @@ struct Epoch {
     std::size_t setting = 0;  ///< Of the animation; counts with `average`.
     /// Of looks at any step in `validity`, at most so much of the shares lies elsewhere.
     double uneven = 0;
+    std::int32_t parameter = 0;  ///< Of the request.
 };
 
 /// The one map whose entries shift the probabilities over the plane.
@@ -98,16 +103,26 @@ class CellProgram {
     virtual std::optional<VaryingMap> varying() const = 0;    ///< Basis varying.
     /// How often a cell shows what, where the map's states are given: none (constant, typed, stationary),
     /// one, or four. Shares sum to 1; blank is listed too. Basis other: empty. Where looks move, of all steps
-    /// and all settings of the animation: every look that can occur is listed.
+    /// all settings of the animation, and all frames that targets or requests may call for: every look that
+    /// can occur is listed.
     virtual std::vector<LookShare> shares(std::span<const std::int32_t> states) const = 0;
 
-    /// Whether looks change with the step. Their basis is stationary, varying or other.
+    /// Whether looks change with the step, with targets or with a request's parameter. Their basis is
+    /// stationary, varying or other.
     virtual bool moves() const noexcept { return false; }
+    virtual bool clocked() const noexcept { return false; }           ///< With the step alone.
+    virtual bool looks_at_targets() const noexcept { return false; }  ///< With the targets near a cell.
+    /// Where cells scroll: patterns() and looks() are of cells so far to the right of those that are asked
+    /// for.
+    virtual Scroll::Place scrolled(Step step) const noexcept {
+        static_cast<void>(step);
+        return {};
+    }
     /// The steps around `step` whose shares are the same, or, if that leaves no more than `most_uneven` of
-    /// them elsewhere, are the same on average.
-    virtual Epoch epoch(Step step, double most_uneven) const {
+    /// them elsewhere, are the same on average. No target is near.
+    virtual Epoch epoch(Step step, std::int32_t parameter, double most_uneven) const {
         static_cast<void>(most_uneven);
-        return {.step = step};
+        return {.step = step, .parameter = parameter};
     }
     /// shares() of an epoch's steps.
     virtual std::vector<LookShare> shares_in(const Epoch& epoch, std::span<const std::int32_t> states) const {

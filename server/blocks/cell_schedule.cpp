@@ -74,7 +74,8 @@ CellSchedule::CellSchedule(const std::vector<CellNode>& nodes, std::span<const s
     for (std::size_t step = found.size(); step-- > 0;) {
         const auto [node, which] = found[step];
         const Need& here = needs[node][which];
-        const bool leaf = nodes[node].draw || nodes[node].map;
+        const bool leaf =
+            nodes[node].draw || nodes[node].map || (nodes[node].driven && rows == Rows::corners);
         const bool given = leaf && rows == Rows::corners;
         // Leaves that are read on several rows keep them from one run to the next
         const bool kept = leaf && !given && needs[node].size() > 1;

@@ -18,7 +18,8 @@ class CellSchedule {
         stretches,  ///< Cells side by side: a corner to the right is the same row, a cell further.
         corners,    ///< Every row stands alone, so that what a cell sees can be enumerated; leaves are given.
     };
-    /// A random block or a map, at a corner: a row that the caller fills (Rows::corners).
+    /// A random block, a map, or an animation that something else drives, at a corner: a row that the caller
+    /// fills (Rows::corners).
     struct Leaf {
         std::size_t node;
         int dx, dy;

@@ -72,6 +72,7 @@ Result<void> choose_generators(Compilation& c) {
         const CellNode* varies = nullptr;  // Why draws may not be typed: a map, …
         std::size_t corners = no_block;    // … draws that neighbours see, …
         const CellNode* moves = nullptr;   // … an animation, …
+        bool scrolls = false;              // … cells that run, …
         bool mixed = false;                // … or another generator.
     };
     std::vector<Looks> textures;
@@ -82,13 +83,23 @@ Result<void> choose_generators(Compilation& c) {
             if (at_corners[node] || (user.corners && i == 0)) at_corners[user.inputs[i]] = true;
     }
     for (const PendingReference& reference : c.references) {
-        Looks texture{reference.block, {}, nullptr, no_block, nullptr, false};
+        Looks texture{.block = reference.block, .draws = {}, .scrolls = reference.scroll.cells != 0};
         for (const std::size_t node : nodes_under(c, reference)) {
             c.nodes[node].shown = true;
             if (c.nodes[node].map) texture.varies = &c.nodes[node];
-            if (c.nodes[node].animation) texture.moves = &c.nodes[node];
+            if (c.nodes[node].animation || c.nodes[node].driven) texture.moves = &c.nodes[node];
             const bool nested = c.nodes[node].draw ? c.nodes[node].draw->generator == proto::Draw::nested
                                                    : c.nodes[node].map && c.nodes[node].map->nested;
+            if (c.nodes[node].map && texture.scrolls) {
+                const std::int32_t entries = 8 << c.nodes[node].map->map->cells_log2;
+                if (reference.scroll.cells % entries != 0)
+                    return c.error(reference.block, ".scroll.cells",
+                                   "is " + std::to_string(reference.scroll.cells) + "; a multiple of " +
+                                       std::to_string(entries) + ", since a map decides what is shown");
+            }
+            if (nested && texture.scrolls)
+                return c.error(c.nodes[node].block, ".generator",
+                               "is nested, but what shows it scrolls; make it independent");
             if (nested && at_corners[node])
                 return c.error(c.nodes[node].block, ".generator",
                                "is nested, whose neighbours avoid each other, but transition tiles look at "
@@ -105,8 +116,8 @@ Result<void> choose_generators(Compilation& c) {
         changed = false;
         for (Looks& texture : textures) {
             if (texture.mixed) continue;
-            texture.mixed =
-                texture.varies != nullptr || texture.corners != no_block || texture.moves != nullptr;
+            texture.mixed = texture.varies != nullptr || texture.corners != no_block ||
+                            texture.moves != nullptr || texture.scrolls;
             for (const std::size_t node : texture.draws) {
                 const Generator generator = c.nodes[node].draw->generator;
                 texture.mixed |= generator != proto::Draw::automatic && generator != proto::Draw::typed;
@@ -134,6 +145,10 @@ Result<void> choose_generators(Compilation& c) {
                 return c.error(draw.block, ".generator",
                                "is typed, but the looks of " + name(texture.block) + " move with " +
                                    name(texture.moves->block) + "; leave it out, or make it independent");
+            if (texture.scrolls)
+                return c.error(draw.block, ".generator",
+                               "is typed, but " + name(texture.block) +
+                                   " scrolls; leave it out, or make it independent");
             if (at_corners[node])
                 return c.error(
                     draw.block, ".generator",

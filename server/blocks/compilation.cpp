@@ -74,6 +74,7 @@ Result<std::size_t> Compilation::add_node(std::size_t block, CellNode node) {
         node.draw.reset();
         node.map.reset();
         node.animation.reset();
+        node.driven.reset();
         node.corners = false;
         node.reach = 0;
         notes[block] = "folded to " + (node.number ? number_text(static_cast<double>(node.least) / number_one)

@@ -2,10 +2,13 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/blocks/cell_node.h"
+#include "server/blocks/editable_map.h"
 #include "server/blocks/field_error.h"
 #include "server/blocks/graph.h"
 #include "server/blocks/plan.h"
@@ -57,6 +60,7 @@ struct PendingReference {
     std::size_t grid = no_block;
     std::size_t index = no_block;  ///< Node
     std::shared_ptr<const TransformNodes> transform;
+    Scroll scroll;
 };
 
 /// A plan while it is compiled. Blocks come parts before wholes.
@@ -106,6 +110,14 @@ std::string number_text(double value);
 /// The nearest step of 2^-16. `value` is finite and within ±32767.
 std::int32_t to_number(double value) noexcept;
 
+/// Whether the block lists `what` as editable: a field by its path, or "map".
+bool is_editable(const proto::Block& block, std::string_view what);
+/// What all that read the map `block` take, where each of them has a list to choose from; nothing where one
+/// does not, or there are very many.
+std::optional<std::pair<std::int32_t, std::int32_t>> paintable_range(const Compilation& c, std::size_t block);
+/// How far the editable maps are seen, of all that was compiled. Before the programs are made.
+void find_support(Compilation& c);
+
 // One for each block: compiles block `block`, whose parts are compiled.
 Result<void> compile_pattern_set(Compilation& c, std::size_t block);
 Result<void> compile_virtual_tile_map(Compilation& c, std::size_t block);
@@ -119,6 +131,7 @@ Result<void> compile_dithered_areas_map(Compilation& c, std::size_t block);
 Result<void> compile_transition_tiles(Compilation& c, std::size_t block);
 Result<void> compile_animation_sequence(Compilation& c, std::size_t block);
 Result<void> compile_animation_map(Compilation& c, std::size_t block);
+Result<void> compile_driven_animation(Compilation& c, std::size_t block);  ///< By targets, or by requests.
 Result<void> compile_tile_transform(Compilation& c, std::size_t block);
 Result<void> compile_reference_texture(Compilation& c, std::size_t block);
 Result<void> compile_pixel_map(Compilation& c, std::size_t block);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <utility>
 
 #include "server/blocks/compilation.h"
@@ -114,11 +115,11 @@ Result<void> compile_references(Compilation& c) {
         if (const TransformNodes* transform = reference.transform.get(); transform != nullptr)
             plan.program = make_look_program(
                 nodes, {reference.index, transform->x, transform->y, transform->turn, transform->scale},
-                transform->steps, grid.types);
+                transform->steps, grid.types, grid.grid.cell_log2, reference.scroll);
         else
-            plan.program =
-                make_look_program(nodes, {reference.index, zero, zero, zero, one},
-                                  {.scale_least = number_one, .scale_most = number_one}, grid.types);
+            plan.program = make_look_program(nodes, {reference.index, zero, zero, zero, one},
+                                             {.scale_least = number_one, .scale_most = number_one},
+                                             grid.types, grid.grid.cell_log2, reference.scroll);
     }
     return {};
 }
@@ -131,11 +132,21 @@ Result<Plan> compile_plan(const proto::Pattern& message, BlockFiles& files) {
     Compilation c{.graph = *graph, .files = files, .seed = message.seed()};
     c.blocks.resize(graph->blocks.size());
     c.notes.resize(graph->blocks.size());
-    for (const std::size_t block : graph->order)
-        if (auto compiled = compile_block(c, block); !compiled) return compiled.error();
+    // How many patterns there are says what edits may write into maps
+    const auto is_set = [&](std::size_t block) {
+        return graph->blocks[block].message->block_case() == proto::Block::kPatternSet;
+    };
+    for (const bool sets : {true, false})
+        for (const std::size_t block : graph->order)
+            if (is_set(block) == sets)
+                if (auto compiled = compile_block(c, block); !compiled) return compiled.error();
     if (auto chosen = choose_generators(c); !chosen) return chosen.error();
     write_lines(c);
+    find_support(c);
     if (auto compiled = compile_references(c); !compiled) return compiled.error();
+    std::sort(c.plan.parameters.begin(), c.plan.parameters.end());
+    c.plan.parameters.erase(std::unique(c.plan.parameters.begin(), c.plan.parameters.end()),
+                            c.plan.parameters.end());
     return std::move(c.plan);
 }
 

@@ -48,8 +48,11 @@ std::uint64_t next_id() {
 class LookProgram final : public CellProgram {
   public:
     LookProgram(const std::shared_ptr<const std::vector<CellNode>>& nodes,
-                const std::array<std::size_t, 5>& roots, const LookSteps& steps, std::uint32_t types)
-        : shares_{nodes, roots[0], roots[3], roots[4], steps},
+                const std::array<std::size_t, 5>& roots, const LookSteps& steps, std::uint32_t types,
+                int cell_log2, const Scroll& scroll)
+        : cell_log2_{cell_log2},
+          scroll_{scroll},
+          shares_{nodes, roots[0], roots[3], roots[4], steps},
           steps_{steps},
           patterns_{*nodes, std::span{roots}.first(1), CellSchedule::Rows::stretches},
           looks_{*nodes, roots, CellSchedule::Rows::stretches},
@@ -57,7 +60,9 @@ class LookProgram final : public CellProgram {
         const Classified found = classify(*nodes, roots);
         needs_types_ = found.typed;
         period_ = found.period;
-        moves_ = found.steps;
+        moves_ = found.steps || scroll.cells != 0;
+        clocked_ = found.clocked || scroll.cells != 0;
+        looks_at_targets_ = found.targets;
         basis_ = shares_.basis();
         if (basis_ == Basis::constant || basis_ == Basis::typed) {
             // Places count too where the type is to say all
@@ -102,7 +107,12 @@ class LookProgram final : public CellProgram {
 
     Basis basis() const noexcept override { return basis_; }
     bool moves() const noexcept override { return moves_; }
-    Epoch epoch(Step step, double most_uneven) const override { return shares_.epoch(step, most_uneven); }
+    bool clocked() const noexcept override { return clocked_; }
+    bool looks_at_targets() const noexcept override { return looks_at_targets_; }
+    Scroll::Place scrolled(Step step) const noexcept override { return scroll_.at(step); }
+    Epoch epoch(Step step, std::int32_t parameter, double most_uneven) const override {
+        return shares_.epoch(step, parameter, most_uneven);
+    }
     std::vector<LookShare> shares_in(const Epoch& epoch,
                                      std::span<const std::int32_t> states) const override {
         return shares_.shares(states, epoch);
@@ -126,7 +136,7 @@ class LookProgram final : public CellProgram {
 
   private:
     struct Classified {
-        bool typed = false, drawn = false, other = false, steps = false;
+        bool typed = false, drawn = false, other = false, steps = false, clocked = false, targets = false;
         std::int64_t period = 1;  ///< 0: none that is known.
 
         void add_period(std::int64_t cells) noexcept {
@@ -155,6 +165,8 @@ class LookProgram final : public CellProgram {
             if (!needed[node]) continue;
             for (const std::size_t input : nodes[node].inputs) needed[input] = true;
             found.steps |= nodes[node].steps;
+            found.clocked |= nodes[node].animation != nullptr;
+            found.targets |= nodes[node].driven && nodes[node].driven->looks_at_targets();
             found.other |= nodes[node].map.has_value();
             if (nodes[node].steps) found.period = 0;
             if (nodes[node].map) found.add_period(period_of(*nodes[node].map));
@@ -167,14 +179,19 @@ class LookProgram final : public CellProgram {
         return found;
     }
 
-    static Stretch stretch_of(const CellRow& row, std::int32_t done) noexcept {
-        return {row.x + done,
-                row.y,
-                row.z,
-                row.step,
-                std::min(row.count - done, stretch_cells),
-                row.types == nullptr ? nullptr : row.types + done,
-                row.validity};
+    Stretch stretch_of(const CellRow& row, std::int32_t done) const noexcept {
+        const Scroll::Place place = scroll_.at(row.step);
+        if (row.validity != nullptr) row.validity->meet(place.validity);
+        return {.x = row.x + place.shift + done,
+                .y = row.y,
+                .z = row.z,
+                .step = row.step,
+                .count = std::min(row.count - done, stretch_cells),
+                .types = row.types == nullptr ? nullptr : row.types + done,
+                .validity = row.validity,
+                .parameter = row.parameter,
+                .targets = row.targets,
+                .cell_log2 = cell_log2_};
     }
 
     bool tabulated() const noexcept { return !pattern_of_type_.empty(); }
@@ -203,13 +220,15 @@ class LookProgram final : public CellProgram {
         for (const Look& look : look_of_type_) pattern_of_type_.push_back(look.pattern);
     }
 
+    int cell_log2_;
+    Scroll scroll_;
     LookShares shares_;
     LookSteps steps_;
     CellSchedule patterns_, looks_;
     std::uint64_t patterns_id_ = next_id(), looks_id_ = next_id();
     const BlockKernels& kernels_;
     Basis basis_ = Basis::other;
-    bool needs_types_ = false, moves_ = false;
+    bool needs_types_ = false, moves_ = false, clocked_ = false, looks_at_targets_ = false;
     std::int64_t period_ = 0;
     std::vector<std::int32_t> pattern_of_type_;
     std::vector<Look> look_of_type_;
@@ -219,8 +238,9 @@ class LookProgram final : public CellProgram {
 
 std::shared_ptr<const CellProgram> make_look_program(std::shared_ptr<const std::vector<CellNode>> nodes,
                                                      const std::array<std::size_t, 5>& roots,
-                                                     const LookSteps& steps, std::uint32_t types) {
-    return std::make_shared<LookProgram>(nodes, roots, steps, types);
+                                                     const LookSteps& steps, std::uint32_t types,
+                                                     int cell_log2, const Scroll& scroll) {
+    return std::make_shared<LookProgram>(nodes, roots, steps, types, cell_log2, scroll);
 }
 
 }  // namespace tessera

@@ -58,6 +58,10 @@ LookShares::LookShares(std::shared_ptr<const std::vector<CellNode>> nodes, std::
                 corners_ |= leaf.dx != 0 || leaf.dy != 0;
                 continue;
             }
+            if (node.driven) {
+                driven_ = true;
+                continue;
+            }
             const Generator generator = node.draw->generator;
             typed |= generator == proto::Draw::typed;
             drawn |= generator != proto::Draw::typed;
@@ -170,10 +174,7 @@ bool LookShares::find_animation() {
         }
     }
     if (map_ != nullptr) {
-        map_states_ = map_->map->map->values;
-        if (map_->map->map->edge == StoredMap::Edge::blank) map_states_.push_back(-1);
-        std::sort(map_states_.begin(), map_states_.end());
-        map_states_.erase(std::unique(map_states_.begin(), map_states_.end()), map_states_.end());
+        map_states_ = possible_values(*map_->map->map);
     }
     return animations == 1 && !at_corners[animated];
 }
@@ -212,8 +213,8 @@ double LookShares::uneven_at(const Group& group, std::size_t setting) const {
     return most;
 }
 
-Epoch LookShares::epoch(Step step, double most_uneven) const {
-    if (uneven_.empty()) return {.step = step};
+Epoch LookShares::epoch(Step step, std::int32_t parameter, double most_uneven) const {
+    if (uneven_.empty()) return {.step = step, .parameter = parameter};
     constexpr std::uint64_t most_told = std::uint64_t{1} << 16;
     const Group& group =
         *std::find_if(groups_.begin(), groups_.end(), [](const Group& g) { return g.moves; });
@@ -221,8 +222,9 @@ Epoch LookShares::epoch(Step step, double most_uneven) const {
     const auto setting = static_cast<std::size_t>(std::max(settled.setting, 0));
     const double uneven = settled.setting < 0 ? 1 : uneven_[setting];
     const std::uint64_t states = states_of(group, {});
-    if (uneven <= most_uneven || states > max_states) return {settled.holds, step, true, setting, uneven};
-    Epoch now{{}, step, false, setting, 0};
+    if (uneven <= most_uneven || states > max_states)
+        return {settled.holds, step, true, setting, uneven, parameter};
+    Epoch now{{}, step, false, setting, 0, parameter};
     if (states * std::max<std::uint64_t>(map_states_.size(), 1) > most_told)
         now.validity = {step, add_steps(step, 1)};
     else
@@ -251,18 +253,23 @@ LookShares::Group LookShares::make_group(std::span<const int> parts) const {
             group.map_leaves.push_back(i);
             continue;
         }
-        const CellDraw& draw = *node.draw;
-        auto found = std::find_if(
-            group.variables.begin(), group.variables.end(),
-            [&](const Variable& variable) { return variable.same(draw, leaves[i].dx, leaves[i].dy); });
+        const CellDraw draw = node.driven ? CellDraw{} : *node.draw;
+        auto found =
+            std::find_if(group.variables.begin(), group.variables.end(), [&](const Variable& variable) {
+                return variable.same(draw, leaves[i].dx, leaves[i].dy) &&
+                       variable.driven == node.driven.get();
+            });
         if (found == group.variables.end()) {
-            group.variables.push_back({draw, leaves[i].dx, leaves[i].dy, {}, {}, {}});
+            group.variables.push_back({draw, leaves[i].dx, leaves[i].dy, node.driven.get(), {}, {}, {}});
             found = group.variables.end() - 1;
         }
         found->leaves.push_back(i);
     }
     for (Variable& variable : group.variables) {
-        if (variable.typed()) {
+        if (variable.driven != nullptr) {
+            const auto frames = static_cast<std::size_t>(variable.driven->frames().line.frames());
+            variable.weights.assign(frames, 1.0 / static_cast<double>(frames));
+        } else if (variable.typed()) {
             variable.weights.assign(variable.draw.types, 1.0 / variable.draw.types);
         } else {
             std::vector<std::uint32_t> counts;
@@ -293,8 +300,7 @@ LookShares::Group LookShares::make_group(std::span<const int> parts) const {
 std::uint64_t LookShares::states_of(const Group& group, const Enumeration& what) noexcept {
     std::uint64_t states = 1;
     for (const Variable& variable : group.variables)
-        if (variable.only_phases ? what.phases : what.others)
-            states = states > max_states ? states : states * variable.states();
+        if (what.counts(variable)) states = states > max_states ? states : states * variable.states();
     return states;
 }
 
@@ -331,6 +337,9 @@ void LookShares::for_states(const Group& group, std::span<const std::int32_t> st
 
     const std::uint64_t all = states_of(group, what);
     std::vector<std::uint64_t> at(group.variables.size(), 0);
+    for (std::size_t v = 0; v < at.size(); ++v)
+        if (const DrivenOp* driven = group.variables[v].driven; driven != nullptr && !what.all_driven)
+            at[v] = static_cast<std::uint64_t>(driven->frame_at(what.parameter));
     std::vector<double> weights(stretch_cells);
     std::vector<Cycle> cycles(stretch_cells);
     const AnimationProbe probe{what.setting, what.frame, weights.data(), cycles.data()};
@@ -340,11 +349,11 @@ void LookShares::for_states(const Group& group, std::span<const std::int32_t> st
             double weight = 1;
             for (std::size_t v = 0; v < group.variables.size(); ++v) {
                 const Variable& variable = group.variables[v];
-                const bool counts = variable.only_phases ? what.phases : what.others;
-                if (counts) weight *= variable.weights[at[v]];
+                if (what.counts(variable)) weight *= variable.weights[at[v]];
                 for (const std::size_t leaf : variable.leaves)
                     row_of(leaf)[i] =
-                        variable.typed()
+                        variable.driven != nullptr ? variable.driven->frames().patterns[at[v]]
+                        : variable.typed()
                             ? typed_draws[leaf][at[v]]
                             : static_cast<std::int32_t>(std::uint64_t{variable.starts[at[v]].first} *
                                                         (*nodes_)[leaves[leaf].node].draw->count /
@@ -352,7 +361,7 @@ void LookShares::for_states(const Group& group, std::span<const std::int32_t> st
             }
             weights[static_cast<std::size_t>(i)] = weight;
             for (std::size_t v = 0; v < at.size(); ++v) {
-                if (!(group.variables[v].only_phases ? what.phases : what.others)) continue;
+                if (!what.counts(group.variables[v])) continue;
                 if (++at[v] < group.variables[v].states()) break;
                 at[v] = 0;
             }
@@ -384,10 +393,12 @@ std::vector<LookShares::Outcome> LookShares::enumerate(const Group& group,
     const auto add = [&](const std::array<std::int32_t, 3>& values, double weight, const Cycle&) {
         sums[values] += weight;
     };
+    const bool all_driven = epoch == nullptr;
+    const std::int32_t parameter = epoch != nullptr ? epoch->parameter : 0;
     if (!group.moves) {
-        for_states(group, states, {}, add);
+        for_states(group, states, {.all_driven = all_driven, .parameter = parameter}, add);
     } else if (epoch != nullptr && !epoch->average) {
-        for_states(group, states, {.step = epoch->step}, add);
+        for_states(group, states, {.step = epoch->step, .parameter = parameter}, add);
     } else {
         const AnimationOp& animation = *animated_->animation;
         const std::size_t first = epoch != nullptr ? epoch->setting : 0,
@@ -395,7 +406,13 @@ std::vector<LookShares::Outcome> LookShares::enumerate(const Group& group,
         for (std::size_t setting = first; setting <= last; ++setting)
             for (std::int32_t frame = 0; frame < animation.frames().line.frames(); ++frame)
                 for_states(group, states,
-                           {.phases = false, .by_setting = true, .setting = setting, .frame = frame}, add);
+                           {.phases = false,
+                            .by_setting = true,
+                            .setting = setting,
+                            .frame = frame,
+                            .all_driven = all_driven,
+                            .parameter = parameter},
+                           add);
     }
     double total = 0;
     for (const auto& [values, share] : sums) total += share;
@@ -411,7 +428,7 @@ std::optional<VaryingMap> LookShares::varying() const {
 }
 
 std::vector<std::int32_t> LookShares::nested_patterns() const {
-    if (basis_ != Basis::stationary || animated_ != nullptr) return {};
+    if (basis_ != Basis::stationary || animated_ != nullptr || driven_) return {};
     const Group* nested = nullptr;
     for (const Group& group : groups_) {
         if (group.variables.empty()) continue;
@@ -434,7 +451,7 @@ std::vector<LookShare> LookShares::shares(std::span<const std::int32_t> states) 
 }
 
 std::vector<LookShare> LookShares::shares(std::span<const std::int32_t> states, const Epoch& epoch) const {
-    return shares(states, animated_ == nullptr ? nullptr : &epoch);
+    return shares(states, animated_ == nullptr && !driven_ ? nullptr : &epoch);
 }
 
 std::vector<LookShare> LookShares::shares(std::span<const std::int32_t> states, const Epoch* epoch) const {

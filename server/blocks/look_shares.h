@@ -25,7 +25,7 @@ class LookShares {
     std::vector<LookShare> shares(std::span<const std::int32_t> states) const;
 
     /// As CellProgram's.
-    Epoch epoch(Step step, double most_uneven) const;
+    Epoch epoch(Step step, std::int32_t parameter, double most_uneven) const;
     std::vector<LookShare> shares(std::span<const std::int32_t> states, const Epoch& epoch) const;
 
     /// As CellProgram::nested_patterns().
@@ -34,10 +34,12 @@ class LookShares {
     static constexpr std::uint64_t max_states = std::uint64_t{1} << 20;
 
   private:
-    /// Draws of one stream at one corner. State s draws ⌊places[s]·count⌋, exactly: see draw_at.
+    /// Draws of one stream at one corner; or the frames that something else than the clock drives, each as a
+    /// state. State s draws ⌊places[s]·count⌋, exactly: see draw_at.
     struct Variable {
         CellDraw draw;  ///< One of those.
         int dx = 0, dy = 0;
+        const DrivenOp* driven = nullptr;
         bool typed() const noexcept { return draw.generator == proto::Draw::typed; }
         bool same(const CellDraw& other, int x, int y) const noexcept;
         std::vector<std::pair<std::uint32_t, std::uint32_t>>
@@ -65,6 +67,12 @@ class LookShares {
         bool by_setting = false;
         std::size_t setting = 0;
         std::int32_t frame = 0;
+        bool all_driven = false;     ///< All frames that are driven, …
+        std::int32_t parameter = 0;  ///< … or that of this parameter, far from targets.
+        bool counts(const Variable& variable) const noexcept {
+            if (variable.driven != nullptr) return all_driven;
+            return variable.only_phases ? phases : others;
+        }
     };
     struct Outcome {
         std::array<std::int32_t, 3> values;
@@ -95,6 +103,7 @@ class LookShares {
     const CellNode* map_ = nullptr;
     bool corners_ = false;
     bool draws_at_corners_ = false;         ///< Other than the map's.
+    bool driven_ = false;                   ///< By targets or requests.
     const CellNode* animated_ = nullptr;    ///< The one animation that pattern, turn or scale depend on.
     bool even_phases_ = false;              ///< Its phases are drawn, and nothing else depends on them.
     std::vector<std::int32_t> map_states_;  ///< Where there is an animation.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <tuple>
 
 namespace tessera {
 
@@ -23,8 +24,33 @@ Result<void> check_map_size(Compilation& c, std::size_t block, std::string_view 
 }
 
 std::pair<std::int32_t, std::int32_t> map_range(const StoredMap& map) {
-    const auto [least, most] = std::minmax_element(map.values.begin(), map.values.end());
-    return {map.edge == StoredMap::Edge::blank ? std::min(*least, -1) : *least, *most};
+    const auto [first, last] = std::minmax_element(map.values.begin(), map.values.end());
+    std::int32_t least = *first, most = *last;
+    if (map.bounded()) least = std::min(least, map.least), most = std::max(most, map.most);
+    return {map.edge == StoredMap::Edge::blank ? std::min(least, -1) : least, most};
+}
+
+Result<StoredMap> map_of_values(Compilation& c, std::size_t block, std::string_view field,
+                                const google::protobuf::RepeatedField<std::int32_t>& values,
+                                std::uint32_t width) {
+    const auto wrong = [&](std::string_view name, std::string_view what) {
+        return c.error(block, std::string{field} + std::string{name}, what);
+    };
+    const auto count = static_cast<std::uint32_t>(values.size());
+    if (width == 0) return wrong(".width", "is 0; the number of entries in a row of values");
+    if (count % width != 0)
+        return wrong(".values", "has " + std::to_string(count) + " entries, no whole rows of width " +
+                                    std::to_string(width) + "; add or remove some");
+    StoredMap map;
+    map.width = static_cast<std::int32_t>(std::min<std::uint32_t>(width, 0x7fffffff));
+    map.height = static_cast<std::int32_t>(count / width);
+    map.values.own().assign(values.begin(), values.end());
+    if (auto size = check_map_size(c, block, std::string{field} + ".values", map); !size) return size.error();
+    for (std::size_t i = 0; i < map.values.size(); ++i)
+        if (map.values[i] < -1)
+            return wrong(".values[" + std::to_string(i) + "]",
+                         "is " + std::to_string(map.values[i]) + "; from 0 on, or -1 for blank");
+    return map;
 }
 
 Result<std::shared_ptr<const StoredMap>> read_explicit_map(Compilation& c, std::size_t block,
@@ -33,6 +59,7 @@ Result<std::shared_ptr<const StoredMap>> read_explicit_map(Compilation& c, std::
     const auto wrong = [&](std::string_view name, std::string_view what) {
         return c.error(block, std::string{field} + std::string{name}, what);
     };
+    const proto::Block& its_block = *c.graph.blocks[block].message;
     const int cells_log2 = power_of_two(message.cells(), 1, 16);
     if (cells_log2 < 0)
         return wrong(".cells", "is " + std::to_string(message.cells()) + "; a power of two from 1 to 65536");
@@ -47,12 +74,14 @@ Result<std::shared_ptr<const StoredMap>> read_explicit_map(Compilation& c, std::
     };
     if (auto x = check_place(".x", message.x()); !x) return x.error();
     if (auto y = check_place(".y", message.y()); !y) return y.error();
-    if (message.image().empty() == message.values().empty())
+    if (message.image().empty() == message.values().empty() && c.files.painted(its_block.name()) == nullptr)
         return wrong("", message.image().empty() ? "has neither image nor values; give one of them"
                                                  : "has both image and values; give one of them");
 
     StoredMap map;
-    if (!message.image().empty()) {
+    if (const StoredMap* painted = c.files.painted(its_block.name())) {
+        map = *painted;
+    } else if (!message.image().empty()) {
         if (message.width() != 0)
             return wrong(".width", "is " + std::to_string(message.width()) +
                                        ", but the map is an image, which "
@@ -67,24 +96,13 @@ Result<std::shared_ptr<const StoredMap>> read_explicit_map(Compilation& c, std::
             return wrong(".blank_code",
                          "is " + std::to_string(message.blank_code()) + "; a code up to 65535");
         if (message.has_blank_code())
-            for (std::int32_t& value : map.values)
+            for (std::int32_t& value : map.values.own())
                 if (value == static_cast<std::int32_t>(message.blank_code())) value = -1;
     } else {
         if (message.has_blank_code()) return wrong(".blank_code", "is for images; in values, -1 is blank");
-        const auto count = static_cast<std::uint32_t>(message.values_size());
-        if (message.width() == 0) return wrong(".width", "is 0; the number of entries in a row of values");
-        if (count % message.width() != 0)
-            return wrong(".values", "has " + std::to_string(count) + " entries, no whole rows of width " +
-                                        std::to_string(message.width()) + "; add or remove some");
-        map.width = static_cast<std::int32_t>(std::min<std::uint32_t>(message.width(), 0x7fffffff));
-        map.height = static_cast<std::int32_t>(count / message.width());
-        map.values.assign(message.values().begin(), message.values().end());
-        if (auto size = check_map_size(c, block, std::string{field} + ".values", map); !size)
-            return size.error();
-        for (std::size_t i = 0; i < map.values.size(); ++i)
-            if (map.values[i] < -1)
-                return wrong(".values[" + std::to_string(i) + "]",
-                             "is " + std::to_string(map.values[i]) + "; from 0 on, or -1 for blank");
+        auto read = map_of_values(c, block, field, message.values(), message.width());
+        if (!read) return read.error();
+        map = std::move(*read);
     }
     switch (message.edge()) {
         case proto::ExplicitMap::wrap:
@@ -102,6 +120,10 @@ Result<std::shared_ptr<const StoredMap>> read_explicit_map(Compilation& c, std::
     map.cells_log2 = cells_log2;
     map.x = message.x();
     map.y = message.y();
+    if (is_editable(its_block, "map")) {
+        if (const auto range = paintable_range(c, block)) std::tie(map.least, map.most) = *range;
+        c.plan.maps.push_back({.block = its_block.name(), .map = map});
+    }
     return std::make_shared<const StoredMap>(std::move(map));
 }
 

@@ -17,6 +17,11 @@ Result<std::shared_ptr<const StoredMap>> read_explicit_map(Compilation& c, std::
                                                            std::string_view field,
                                                            const proto::ExplicitMap& message);
 
+/// A map that is written into the scene file: rows of `width`, from the top.
+Result<StoredMap> map_of_values(Compilation& c, std::size_t block, std::string_view field,
+                                const google::protobuf::RepeatedField<std::int32_t>& values,
+                                std::uint32_t width);
+
 /// Checks what read_map() gave: sides, number of entries. `field` is for messages.
 Result<void> check_map_size(Compilation& c, std::size_t block, std::string_view field, const StoredMap& map);
 

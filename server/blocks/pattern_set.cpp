@@ -19,8 +19,9 @@ Result<void> compile_pattern_set(Compilation& c, std::size_t block) {
         return c.error(block, ".pattern_set.slices",
                        "is " + std::to_string(message.slices()) + "; at most 1024");
     const std::string field = c.graph.blocks[block].path + ".pattern_set";
-    auto images = c.files.read_patterns(field, message);
-    if (!images) return images.error();
+    auto read = c.files.share_patterns(field, message);
+    if (!read) return read.error();
+    const std::shared_ptr<const PatternImages> images = std::move(*read);
     if (images->side < 1 || images->side > 1024 ||
         !std::has_single_bit(static_cast<unsigned>(images->side)) || images->count < 1 || images->slices < 1)
         return field_error(field, "gives " + std::to_string(images->count) + " patterns of " +
@@ -29,7 +30,7 @@ Result<void> compile_pattern_set(Compilation& c, std::size_t block) {
     c.notes[block] = std::to_string(images->count) + " patterns of " + std::to_string(images->side) + "²" +
                      (images->slices > 1 ? " × " + std::to_string(images->slices) : std::string{}) +
                      " texels";
-    c.blocks[block].patterns = std::make_shared<const PatternImages>(std::move(*images));
+    c.blocks[block].patterns = images;
     return {};
 }
 

@@ -4,6 +4,26 @@
 
 namespace tessera {
 
+namespace {
+
+Result<StoredMap> read_pixels(Compilation& c, std::size_t block, const proto::PixelMap& message) {
+    if (const StoredMap* painted = c.files.painted(c.graph.blocks[block].message->name())) return *painted;
+    if (!message.image().empty() && !message.values().empty())
+        return c.error(block, "", "has both image and values; give one of them");
+    if (!message.values().empty()) {
+        auto map = map_of_values(c, block, "", message.values(), message.width());
+        if (!map) return map.error();
+        return std::move(*map);
+    }
+    if (message.image().empty()) return c.error(block, ".image", "is missing; a file of one channel");
+    auto map = c.files.read_map(c.graph.blocks[block].path + ".image", message.image());
+    if (!map) return map.error();
+    if (auto size = check_map_size(c, block, ".image", *map); !size) return size.error();
+    return std::move(*map);
+}
+
+}  // namespace
+
 Result<void> compile_pixel_map(Compilation& c, std::size_t block) {
     const proto::PixelMap& message = c.graph.blocks[block].message->pixel_map();
     if (message.textures().empty() || message.textures_size() > 255)
@@ -17,10 +37,8 @@ Result<void> compile_pixel_map(Compilation& c, std::size_t block) {
         return c.error(block, ".edge", "is neither wrap nor clamp; what is outside needs a texture");
     auto textures = c.shown(block, message.textures());
     if (!textures) return textures.error();
-    if (message.image().empty()) return c.error(block, ".image", "is missing; a file of one channel");
-    auto map = c.files.read_map(c.graph.blocks[block].path + ".image", message.image());
+    auto map = read_pixels(c, block, message);
     if (!map) return map.error();
-    if (auto size = check_map_size(c, block, ".image", *map); !size) return size.error();
     for (std::size_t i = 0; i < map->values.size(); ++i) {
         if (map->values[i] >= 0 && map->values[i] < message.textures_size()) continue;
         const auto width = static_cast<std::size_t>(map->width);
@@ -33,6 +51,11 @@ Result<void> compile_pixel_map(Compilation& c, std::size_t block) {
     map->edge = message.edge() == proto::ExplicitMap::wrap ? StoredMap::Edge::wrap : StoredMap::Edge::clamp;
     map->cells_log2 = texels_log2;
     map->x = map->y = 0;
+    if (is_editable(*c.graph.blocks[block].message, "map")) {
+        map->least = 0;
+        map->most = message.textures_size() - 1;
+        c.plan.maps.push_back({.block = c.graph.blocks[block].message->name(), .map = *map, .shown = true});
+    }
     c.notes[block] = std::to_string(map->width) + " × " + std::to_string(map->height) + " entries of " +
                      std::to_string(1 << texels_log2) + " texels";
     PixelMapPlan plan;

@@ -10,8 +10,10 @@
 #include "proto/pattern.pb.h"
 
 #include "server/blocks/cell_program.h"
+#include "server/blocks/editable_map.h"
 #include "server/blocks/pattern_images.h"
 #include "server/blocks/stored_map.h"
+#include "server/blocks/target_law.h"
 #include "server/texture/texture.h"
 #include "server/texture/typed_quadtree.h"
 #include "shared/result/result.h"
@@ -78,7 +80,11 @@ struct PlanLine {
 /// A pattern texture compiled: what reaches the output, constants folded.
 struct Plan {
     std::vector<PlannedTexture> textures;  ///< Parts before wholes; the last is the output.
-    std::vector<PlanLine> lines;           ///< Every block of the scene file, in its order.
+    std::vector<TargetLaw> target_laws;    ///< What TexelRegion::targets are to be made of.
+    /// Parameters from which on other frames are shown, rising from 0 on; empty where no request drives any.
+    std::vector<std::int32_t> parameters;
+    std::vector<PlanLine> lines;    ///< Every block of the scene file, in its order.
+    std::vector<EditableMap> maps;  ///< Those that reach the output.
 };
 
 /// Where a plan's files come from. Called only for blocks that reach the output. `field` is the path of the
@@ -87,6 +93,18 @@ class BlockFiles {
   public:
     virtual ~BlockFiles() = default;
     virtual Result<PatternImages> read_patterns(const std::string& field, const proto::PatternSet& set) = 0;
+    /// The same, shared with whoever asked for it before.
+    virtual Result<std::shared_ptr<const PatternImages>> share_patterns(const std::string& field,
+                                                                        const proto::PatternSet& set) {
+        auto read = read_patterns(field, set);
+        if (!read) return read.error();
+        return std::make_shared<const PatternImages>(std::move(*read));
+    }
+    /// The entries of a block's map as edits left them, sides included; null where none changed it.
+    virtual const StoredMap* painted(const std::string& block) const {
+        static_cast<void>(block);
+        return nullptr;
+    }
     /// The map's image: codes of its first channel (8 or 16 bits). Edge, cells and place are the caller's.
     virtual Result<StoredMap> read_map(const std::string& field, const std::string& image) = 0;
     /// `block` holds content_exchange, interchange or wang.

@@ -37,6 +37,14 @@ Result<void> check_room(const Compilation& c, std::size_t block, const Transform
     return {};
 }
 
+Result<Scroll> read_scroll(Compilation& c, std::size_t block, const proto::ReferenceTexture& message) {
+    constexpr std::int32_t most_cells = 1 << 20;
+    const auto& given = message.scroll();
+    if (given.cells() < -most_cells || given.cells() > most_cells)
+        return c.error(block, ".scroll.cells", "is " + std::to_string(given.cells()) + "; within ±2^20");
+    return Scroll{given.cells(), std::max(given.steps(), 1u)};
+}
+
 }  // namespace
 
 Result<void> compile_reference_texture(Compilation& c, std::size_t block) {
@@ -79,6 +87,10 @@ Result<void> compile_reference_texture(Compilation& c, std::size_t block) {
         if (auto room = check_room(c, block, *plan.transform, patterns->side, cell); !room)
             return room.error();
     }
+    if (auto scroll = read_scroll(c, block, message); !scroll)
+        return scroll.error();
+    else
+        reference.scroll = *scroll;
     reference.texture = c.plan.textures.size();
     c.blocks[block].texture = reference.texture;
     c.plan.textures.push_back({c.graph.blocks[block].message->name(), std::move(plan)});

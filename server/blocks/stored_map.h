@@ -1,22 +1,60 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <initializer_list>
+#include <memory>
+#include <utility>
 #include <vector>
 
 namespace tessera {
+
+/// The entries of a map. Copies share them until one of them is written to.
+class MapValues {
+  public:
+    MapValues() = default;
+    MapValues(std::vector<std::int32_t> values)  // NOLINT(google-explicit-constructor): a map is its entries
+        : values_{std::make_shared<std::vector<std::int32_t>>(std::move(values))} {}
+    MapValues(std::initializer_list<std::int32_t> values) : MapValues{std::vector<std::int32_t>{values}} {}
+
+    std::size_t size() const noexcept { return values_ ? values_->size() : 0; }
+    bool empty() const noexcept { return size() == 0; }
+    const std::int32_t* data() const noexcept { return values_ ? values_->data() : nullptr; }
+    const std::int32_t* begin() const noexcept { return data(); }
+    const std::int32_t* end() const noexcept { return data() + size(); }
+    std::int32_t operator[](std::size_t i) const noexcept { return (*values_)[i]; }
+
+    /// To write to; not while another thread copies this.
+    std::vector<std::int32_t>& own() {
+        if (!values_)
+            values_ = std::make_shared<std::vector<std::int32_t>>();
+        else if (values_.use_count() > 1)
+            values_ = std::make_shared<std::vector<std::int32_t>>(*values_);
+        return *values_;
+    }
+
+  private:
+    std::shared_ptr<std::vector<std::int32_t>> values_;
+};
 
 /// An explicit map: integers on a rectangle of cells, and what is outside it.
 struct StoredMap {
     enum class Edge : std::uint8_t { wrap, clamp, blank };
 
-    std::int32_t width = 0;            ///< In entries, 1 to 32768.
-    std::int32_t height = 0;           ///< In entries, 1 to 32768; width·height at most 2^26.
-    std::vector<std::int32_t> values;  ///< Rows from the top. −1: blank.
+    std::int32_t width = 0;   ///< In entries, 1 to 32768.
+    std::int32_t height = 0;  ///< In entries, 1 to 32768; width·height at most 2^26.
+    MapValues values;         ///< Rows from the top. −1: blank.
     Edge edge = Edge::wrap;
     int cells_log2 = 0;  ///< An entry covers 2^cells_log2 cells along a side; 0 to 16.
     std::int64_t x = 0;  ///< The cell of the first entry's top-left corner: a multiple of 2^cells_log2.
     std::int64_t y = 0;
+    /// Where edits may change entries: from what to what. Whatever is worked out for the whole map, from then
+    /// on, is worked out for all of these, so that an edit changes nothing beyond the cells near it. Most
+    /// below least: entries are what they are.
+    std::int32_t least = 0, most = -1;
+
+    bool bounded() const noexcept { return least <= most; }
 
     /// The entry (i, j), counted from the map's first one on; any integers.
     std::int32_t entry(std::int64_t i, std::int64_t j) const noexcept {
@@ -32,5 +70,9 @@ struct StoredMap {
         return values[static_cast<std::size_t>(j * width + i)];
     }
 };
+
+/// The integers that the map shows somewhere, or may once it is edited, and −1 where it may be blank outside:
+/// rising.
+std::vector<std::int32_t> possible_values(const StoredMap& map);
 
 }  // namespace tessera

@@ -5,6 +5,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "shared/page/parameter.h"
+
 namespace tessera {
 namespace {
 
@@ -121,7 +123,7 @@ Parsed<PageAddress> page_address(const std::vector<std::string>& segments) {
 Parsed<PageQuery> page_query(std::string_view query) {
     PageQuery result;
     bool has_gutter = false, has_accuracy = false, has_max_error = false, has_channels = false,
-         has_slice = false, has_step = false;
+         has_slice = false, has_step = false, has_parameter = false;
     while (!query.empty()) {
         const std::size_t end = std::min(query.find('&'), query.size());
         const std::string_view item = query.substr(0, end);
@@ -160,9 +162,15 @@ Parsed<PageQuery> page_query(std::string_view query) {
             if (!step) return malformed("step: an integer from -2^62 to 2^62");
             if (std::exchange(has_step, true)) return malformed("step: is given twice");
             result.step = *step;
+        } else if (name == "parameter") {
+            const auto parameter = parameter_named(value);
+            if (!parameter) return malformed("parameter: a number from 0 to 1, such as 0.25");
+            if (std::exchange(has_parameter, true)) return malformed("parameter: is given twice");
+            result.parameter = *parameter;
         } else {
             return malformed(
-                "unknown parameter; pages take gutter, accuracy, max_error, channels, slice and step");
+                "unknown parameter; pages take gutter, accuracy, max_error, channels, slice, step "
+                "and parameter");
         }
     }
     if (result.max_error) result.accuracy = Accuracy::high;
@@ -181,6 +189,7 @@ std::string PageQuery::canonical() const {
     if (channels != ChannelSet::albedo) add("channels", name_of(channels));
     if (slice != 0) add("slice", std::to_string(slice));
     if (step != 0) add("step", std::to_string(step));
+    if (parameter != 0) add("parameter", text_of_parameter(parameter));
     return text;
 }
 

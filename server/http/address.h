@@ -40,7 +40,8 @@ struct PageAddress {
 bool is_page_address(const std::vector<std::string>& segments) noexcept;
 Parsed<PageAddress> page_address(const std::vector<std::string>& segments);
 
-/// `gutter`, `accuracy`, `max_error`, `channels`, `slice` and `step`, each at most once and nothing else.
+/// `gutter`, `accuracy`, `max_error`, `channels`, `slice`, `step` and `parameter`, each at most once and
+/// nothing else.
 struct PageQuery {
     std::uint8_t gutter = 0;
     Accuracy accuracy = Accuracy::high;  ///< `high` where there is an error limit: that goes before it.
@@ -48,9 +49,10 @@ struct PageQuery {
     ChannelSet channels = ChannelSet::albedo;  ///< That the scene has it is for others to check.
     std::int64_t slice = 0;                    ///< Within ±max_slice.
     std::int64_t step = 0;                     ///< Within ±max_step.
+    std::int32_t parameter = 0;                ///< 0 to 65536: in 65536ths.
 
     /// The one way to write it, with its '?', or nothing: names in the order gutter, accuracy,
-    /// max_error, channels, slice, step; defaults left out.
+    /// max_error, channels, slice, step, parameter; defaults left out.
     std::string canonical() const;
 };
 Parsed<PageQuery> page_query(std::string_view query);

@@ -99,6 +99,7 @@ Routes::Outcome Routes::page(const RequestHead& request, const Site& site,
                                false});
     query->slice = scene->same_slice(query->slice);
     query->step = scene->same_step(query->step);
+    query->parameter = scene->same_parameter(query->parameter);
     const std::uint8_t n = scene->extent.n;
     const std::uint64_t side = address->z <= n ? std::uint64_t{1} << address->z : 0;
     if (address->x >= side || address->y >= side) {
@@ -110,7 +111,8 @@ Routes::Outcome Routes::page(const RequestHead& request, const Site& site,
                          {static_cast<std::uint8_t>(n - address->z), static_cast<std::uint32_t>(address->x),
                           static_cast<std::uint32_t>(address->y)},
                          {address->format, ContentCoding::identity, query->gutter, query->accuracy,
-                          query->channels, query->slice, query->max_error, query->step},
+                          query->channels, query->slice, query->max_error, query->step,
+                          query->parameter},
                          urgency_of(request["Priority"])},
                         address->pin.has_value()};
     PageRequest& wanted = pending.request;

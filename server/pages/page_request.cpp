@@ -12,8 +12,10 @@
 namespace tessera {
 
 std::uint64_t page_revision(const Scene& scene, PageKey key) noexcept {
-    // One revision for every gutter that can be asked for
-    return scene.page_revisions.of(key, max_gutter_texels);
+    // One revision for every gutter that can be asked for; and composites are evaluated in whole blocks of 32
+    // texels (server/pattern/descent.cpp), whose edits the gutter sees
+    constexpr std::int32_t block = 32;
+    return scene.page_revisions.of(key, scene.document ? block : max_gutter_texels);
 }
 
 PageId page_id(const PageRequest& request) {
@@ -43,6 +45,10 @@ PageId page_id(const PageRequest& request) {
     if (request.options.max_error) {
         add("max_error", 9);
         add_integer(request.options.max_error->millionths);
+    }
+    if (request.options.parameter != 0) {
+        add("parameter", 9);
+        add_integer(request.options.parameter);
     }
     const XXH128_hash_t digest = XXH3_128bits(bytes.data(), size);
     return {digest.high64, digest.low64};

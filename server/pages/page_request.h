@@ -23,6 +23,7 @@ struct PageOptions {
     std::int64_t slice = 0;  ///< Scene::same_slice(): one number for all slices that look the same.
     std::optional<ErrorLimit> max_error{};  ///< The cheapest accuracy that keeps it.
     std::int64_t step = 0;                  ///< Of the animation clock; 0 where nothing moves.
+    std::int32_t parameter = 0;  ///< Scene::same_parameter(): one number for all that show the same frames.
     bool operator==(const PageOptions&) const = default;
 };
 

@@ -233,6 +233,7 @@ Result<PagePtr> PageService::evaluate(PageJob& job) {
     TexelRegion region = region_of(request.key, request.options.gutter);
     region.slice = request.options.slice;
     region.step = request.options.step;
+    region.parameter = request.options.parameter;
     const auto evaluated_within = evaluate_within(*texture, region, request.options.max_error, budget, image);
     if (!evaluated_within) return evaluated_within.error();
     const Clock::time_point evaluated = Clock::now();

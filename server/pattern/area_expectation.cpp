@@ -30,8 +30,8 @@ class StationaryExpectation final : public AreaExpectation {
         is_nested_ = !rising.empty();
     }
 
-    Result<Evaluation> evaluate(const TexelRegion& region, int up, const Budget& budget,
-                                LinearImage& out) const override {
+    Result<Evaluation> evaluate(const TexelRegion& region, int up, const Budget& budget, LinearImage& out,
+                                std::int64_t) const override {
         if (auto spent = check_budget(budget); !spent) return spent.error();
         std::array<float, 4> colour;
         for (std::size_t c = 0; c < 4; ++c) colour[c] = static_cast<float>(base_[c] + mixture_.mean[c]);

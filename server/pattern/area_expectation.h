@@ -20,8 +20,9 @@ class AreaExpectation {
 
     /// Texels of `region` of level cell level + `up`, 1 or more: of 2^up × 2^up cells. Its bound is on the
     /// distance to the texture as drawn. `out` is of the region's size.
+    /// `shift`: of cells so far to the right; a multiple of 8 entries of the map, if there is one.
     virtual Result<Evaluation> evaluate(const TexelRegion& region, int up, const Budget& budget,
-                                        LinearImage& out) const = 0;
+                                        LinearImage& out, std::int64_t shift = 0) const = 0;
     /// Whether all texels are one colour.
     virtual bool uniform() const noexcept { return false; }
     /// No texel of 2^up × 2^up cells is further from what is drawn, anywhere.

@@ -11,10 +11,18 @@ namespace tessera {
 /// The looks of a rectangle of cells, a row at a time.
 class CellLooks {
   public:
-    /// Cells from (x, y) on, in layer `z` of the grid's cells, at `step`. `plan` lives longer.
-    CellLooks(const ReferencePlan& plan, std::int64_t step, std::int64_t z, std::int64_t x, std::int64_t y,
-              std::int32_t width, std::int32_t height)
-        : plan_{plan}, step_{step}, x_{x}, z_{z}, width_{width}, looks_(static_cast<std::size_t>(width)) {
+    /// Cells from (x, y) on, in layer `z` of the grid's cells, at the step of `of` and with what drives it.
+    /// `plan` lives longer.
+    CellLooks(const ReferencePlan& plan, const TexelRegion& of, std::int64_t z, std::int64_t x,
+              std::int64_t y, std::int32_t width, std::int32_t height)
+        : plan_{plan},
+          step_{of.step},
+          parameter_{of.parameter},
+          targets_{of.targets},
+          x_{x},
+          z_{z},
+          width_{width},
+          looks_(static_cast<std::size_t>(width)) {
         if (plan.program->needs_types()) types_ = plan.grid.quadtree->types_of(0, x, y, width, height, z);
     }
 
@@ -27,7 +35,9 @@ class CellLooks {
                         .count = std::min(at_once, width_ - from),
                         .z = z_,
                         .step = step_,
-                        .validity = &validity_};
+                        .validity = &validity_,
+                        .parameter = parameter_,
+                        .targets = targets_};
             if (!types_.types.empty()) row.types = types_.row(y) + (x_ - types_.x) + from;
             plan_.program->looks(row, looks_.data() + from);
         }
@@ -39,7 +49,10 @@ class CellLooks {
 
   private:
     const ReferencePlan& plan_;
-    std::int64_t step_, x_, z_;
+    std::int64_t step_;
+    std::int32_t parameter_;
+    const TargetDistances* targets_;
+    std::int64_t x_, z_;
     std::int32_t width_;
     std::vector<Look> looks_;
     TypeGrid types_;

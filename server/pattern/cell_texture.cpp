@@ -220,9 +220,9 @@ class DrawnCells final : public PatternTexture {
     /// Which pattern each cell of a rectangle shows, a row of cells at a time.
     class Patterns {
       public:
-        Patterns(const DrawnCells& of, std::int64_t step, std::int64_t z, std::int64_t x, std::int64_t y,
+        Patterns(const DrawnCells& of, const TexelRegion& at, std::int64_t z, std::int64_t x, std::int64_t y,
                  std::int32_t width, std::int32_t height)
-            : of_{of}, step_{step}, z_{z}, x_{x}, width_{width}, patterns_(std::size_t(width)) {
+            : of_{of}, at_{at}, z_{z}, x_{x}, width_{width}, patterns_(std::size_t(width)) {
             if (of.program_->needs_types()) types_ = of.grid_.quadtree->types_of(0, x, y, width, height, z);
         }
         const std::int32_t* row(std::int64_t y) {
@@ -232,8 +232,10 @@ class DrawnCells final : public PatternTexture {
                             .y = y,
                             .count = std::min(at_once, width_ - from),
                             .z = z_,
-                            .step = step_,
-                            .validity = &validity_};
+                            .step = at_.step,
+                            .validity = &validity_,
+                            .parameter = at_.parameter,
+                            .targets = at_.targets};
                 if (!types_.types.empty()) row.types = types_.row(y) + (x_ - types_.x) + from;
                 of_.program_->patterns(row, patterns_.data() + from);
             }
@@ -243,7 +245,8 @@ class DrawnCells final : public PatternTexture {
 
       private:
         const DrawnCells& of_;
-        std::int64_t step_, z_, x_;
+        const TexelRegion& at_;
+        std::int64_t z_, x_;
         std::int32_t width_;
         TypeGrid types_;
         Validity validity_;
@@ -259,7 +262,7 @@ class DrawnCells final : public PatternTexture {
         const auto height = static_cast<std::int32_t>(((region.y + region.height - 1) >> side_log2) - y + 1);
         const auto& all = images_of(region.level, out);
         const std::int32_t first = mips_->first_image(static_cast<std::int32_t>(at.slice));
-        Patterns patterns{*this, region.step, at.z, x, y, width, height};
+        Patterns patterns{*this, region, at.z, x, y, width, height};
         CellRowCopy rows{.images = all.row(first << side_log2),
                          .side_log2 = side_log2,
                          .skip = static_cast<std::int32_t>(region.x - (x << side_log2)),
@@ -301,7 +304,7 @@ class DrawnCells final : public PatternTexture {
             for (std::int32_t from = 0; from < region.width; from += at_once) {
                 const std::int32_t count = std::min(at_once, region.width - from);
                 Patterns patterns{*this,
-                                  region.step,
+                                  region,
                                   at.z,
                                   (region.x + from) * n,
                                   y,
@@ -326,14 +329,21 @@ class DrawnCells final : public PatternTexture {
             .validity = validity};
     }
 
-    std::int32_t pattern_at(std::int64_t x, std::int64_t y, std::int64_t z, std::int64_t step,
+    std::int32_t pattern_at(std::int64_t x, std::int64_t y, std::int64_t z, const TexelRegion& at,
                             Validity& validity) const {
         std::uint16_t type = 0;
         if (program_->needs_types()) type = grid_.quadtree->types_of(0, x, y, 1, 1, z).at(x, y);
         std::int32_t pattern = -1;
-        program_->patterns(
-            {.x = x, .y = y, .count = 1, .z = z, .step = step, .types = &type, .validity = &validity},
-            &pattern);
+        program_->patterns({.x = x,
+                            .y = y,
+                            .count = 1,
+                            .z = z,
+                            .step = at.step,
+                            .types = &type,
+                            .validity = &validity,
+                            .parameter = at.parameter,
+                            .targets = at.targets},
+                           &pattern);
         return pattern;
     }
 
@@ -360,8 +370,7 @@ class DrawnCells final : public PatternTexture {
                         column * (mask + 1) + (static_cast<std::int64_t>(bits) & mask);
                     const std::int64_t cell_y =
                         row * (mask + 1) + (static_cast<std::int64_t>(bits >> 32) & mask);
-                    const auto& of =
-                        mips_->sum(first + pattern_at(cell_x, cell_y, at.z, region.step, validity));
+                    const auto& of = mips_->sum(first + pattern_at(cell_x, cell_y, at.z, region, validity));
                     for (std::size_t channel = 0; channel < 4; ++channel) sum[channel] += of[channel];
                 }
                 for (const std::int64_t channel : sum)
@@ -394,8 +403,9 @@ class DrawnCells final : public PatternTexture {
 
 }  // namespace
 
-std::shared_ptr<const PatternTexture> make_cell_texture(const ReferencePlan& plan) {
-    auto mips = std::make_shared<const PatternMips>(*plan.patterns);
+std::shared_ptr<const PatternTexture> make_cell_texture(const ReferencePlan& plan,
+                                                        std::shared_ptr<const PatternMips> mips) {
+    if (!mips) mips = std::make_shared<const PatternMips>(*plan.patterns);
     if (plan.program->basis() == CellProgram::Basis::typed) {
         std::vector<std::int32_t> pattern_of_type;
         for (std::uint32_t type = 0; type < plan.grid.quadtree->types(); ++type)

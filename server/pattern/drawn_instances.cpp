@@ -74,7 +74,7 @@ class DrawnInstances final : public PatternTexture {
         const std::int64_t x = region.x >> side_log2, y = region.y >> side_log2;
         const auto width = static_cast<std::int32_t>(((region.x + region.width - 1) >> side_log2) - x + 1);
         const auto height = static_cast<std::int32_t>(((region.y + region.height - 1) >> side_log2) - y + 1);
-        CellLooks looks{plan_, region.step, at.z, x, y, width, height};
+        CellLooks looks{plan_, region, at.z, x, y, width, height};
         for (std::int64_t cell_y = y; cell_y < y + height; ++cell_y) {
             if (auto spent = check_budget(budget); !spent) return spent.error();
             const Look* look = looks.row(cell_y);
@@ -109,7 +109,7 @@ class DrawnInstances final : public PatternTexture {
             std::fill(sums.begin(), sums.end(), Colour{});
             const std::int64_t y = (region.y + row) * n;
             CellLooks looks{plan_,
-                            region.step,
+                            region,
                             at.z,
                             region.x * n,
                             y,
@@ -148,7 +148,7 @@ class DrawnInstances final : public PatternTexture {
                         part_x * part + (static_cast<std::int64_t>(bits) & (part - 1));
                     const std::int64_t cell_y =
                         part_y * part + (static_cast<std::int64_t>(bits >> 32) & (part - 1));
-                    CellLooks looks{plan_, region.step, at.z, cell_x, cell_y, 1, 1};
+                    CellLooks looks{plan_, region, at.z, cell_x, cell_y, 1, 1};
                     add(*looks.row(cell_y), at.slice, sums[x]);
                     validity.meet(looks.validity());
                 }

@@ -55,7 +55,10 @@ std::shared_ptr<const EpochExpectation::Kept> EpochExpectation::of_slice(std::in
 std::shared_ptr<const EpochExpectation::Kept> EpochExpectation::of_epoch(std::int64_t slice,
                                                                          const Epoch& epoch) const {
     const auto key = static_cast<std::int64_t>(
-        hash(epoch.average ? 1 : 2, stream("epoch", epoch.setting), epoch.validity.from, slice) >> 1);
+        hash(epoch.average ? 1 : 2,
+             stream("epoch", epoch.setting) ^ static_cast<std::uint64_t>(epoch.parameter),
+             epoch.validity.from, slice) >>
+        1);
     return kept_.get(key, [&](std::int64_t) {
         auto program = std::make_unique<const ProgramOfEpoch>(program_, epoch);
         auto is = make_area_expectation(*program, means_, static_cast<std::int32_t>(slice), epoch.uneven);
@@ -67,10 +70,12 @@ Result<Evaluation> EpochExpectation::evaluate(const TexelRegion& region, std::in
                                               const Budget& budget, LinearImage& out) const {
     if (!program_->moves()) return of_slice(slice)->is->evaluate(region, up, budget, out);
     const double uneven_codes = 255 * width_;
-    const Epoch epoch =
-        program_->epoch(region.step, uneven_codes > budget_codes ? budget_codes / uneven_codes : 1.0);
-    auto evaluation = of_epoch(slice, epoch)->is->evaluate(region, up, budget, out);
+    const Epoch epoch = program_->epoch(region.step, region.parameter,
+                                        uneven_codes > budget_codes ? budget_codes / uneven_codes : 1.0);
+    const Scroll::Place scrolled = program_->scrolled(region.step);
+    auto evaluation = of_epoch(slice, epoch)->is->evaluate(region, up, budget, out, scrolled.shift);
     if (!evaluation) return evaluation;
+    if (!uniform()) evaluation->validity.meet(scrolled.validity);
     evaluation->bound_codes = std::min(evaluation->bound_codes + epoch.uneven * uneven_codes,
                                        std::max(evaluation->bound_codes, uneven_codes));
     evaluation->validity.meet(epoch.validity);

@@ -25,8 +25,14 @@ struct Counts {
     }
 };
 
-/// Which looks cells can show, by Counts::index.
-std::vector<bool> shown_looks(const ReferencePlan& plan, const Counts& counts) {
+std::int32_t image_side(const ReferencePlan& plan, std::size_t turn, std::size_t scale) {
+    return bounding_side(plan.patterns->side, plan.transform->scales[scale], plan.transform->turns[turn]);
+}
+
+}  // namespace
+
+std::vector<bool> InstanceImages::shown_looks(const ReferencePlan& plan) {
+    const Counts counts{plan};
     std::vector<bool> shown(counts.looks());
     const auto show = [&](std::int32_t pattern, std::size_t turn, std::size_t scale) {
         if (pattern >= 0) shown[counts.index(pattern, turn, scale)] = true;
@@ -53,16 +59,10 @@ std::vector<bool> shown_looks(const ReferencePlan& plan, const Counts& counts) {
     return shown;
 }
 
-std::int32_t image_side(const ReferencePlan& plan, std::size_t turn, std::size_t scale) {
-    return bounding_side(plan.patterns->side, plan.transform->scales[scale], plan.transform->turns[turn]);
-}
-
-}  // namespace
-
 std::uint64_t InstanceImages::bytes(const ReferencePlan& plan) {
     const Counts counts{plan};
     if (counts.looks() > most_looks) return std::numeric_limits<std::uint64_t>::max();
-    const std::vector<bool> shown = shown_looks(plan, counts);
+    const std::vector<bool> shown = shown_looks(plan);
     std::uint64_t total = counts.looks() * sizeof(std::int32_t) + plan.patterns->codes.size() * 2;
     for (std::size_t turn = 0; turn < counts.turns; ++turn)
         for (std::size_t scale = 0; scale < counts.scales; ++scale) {
@@ -80,7 +80,7 @@ InstanceImages::InstanceImages(const ReferencePlan& plan)
       scales_{plan.transform->scales.size()},
       slices_{plan.patterns->slices} {
     const Counts counts{plan};
-    const std::vector<bool> shown = shown_looks(plan, counts);
+    const std::vector<bool> shown = shown_looks(plan);
     const std::vector<std::uint16_t> steps = premultiplied_steps(*plan.patterns);
     first_.assign(counts.looks(), -1);
     for (std::size_t turn = 0; turn < turns_; ++turn)

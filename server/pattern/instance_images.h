@@ -26,6 +26,9 @@ class InstanceImages {
     /// What the images of a plan will take, known without making them.
     static std::uint64_t bytes(const ReferencePlan& plan);
 
+    /// Which looks cells can show: [(pattern·turns + turn)·scales + scale].
+    static std::vector<bool> shown_looks(const ReferencePlan& plan);
+
     /// Null where nothing is shown: pattern −1, or a slice outside the set.
     const SummedArea* find(const Look& look, std::int32_t slice) const noexcept {
         if (look.pattern < 0 || slice < 0 || slice >= slices_) return nullptr;

@@ -11,7 +11,9 @@ namespace tessera {
 
 /// A reference texture with a transform: patterns moved, turned and scaled. `plan.transform` is set, and
 /// InstanceImages::bytes(plan) is affordable.
-std::shared_ptr<const PatternTexture> make_instance_texture(const ReferencePlan& plan);
+/// `images`: of the plan; null: they are made.
+std::shared_ptr<const PatternTexture> make_instance_texture(
+    const ReferencePlan& plan, std::shared_ptr<const InstanceImages> images = nullptr);
 
 /// What the cells of a typed (or constant) reference texture with a constrained transform look like.
 std::shared_ptr<const TypeImages> make_instance_types(const ReferencePlan& plan);

@@ -247,9 +247,10 @@ class LayerCells final : public PartCells {
 class MaskedCells final : public PartCells {
   public:
     MaskedCells(const JointPart& whole, const Grid& grid) : map_{*whole.map} {
+        const std::vector<std::int32_t> shown = possible_values(map_);
         for (std::size_t family = 0; family < whole.parts.size(); ++family) {
-            const bool is_shown = std::find(map_.values.begin(), map_.values.end(),
-                                            static_cast<std::int32_t>(family)) != map_.values.end();
+            const bool is_shown =
+                std::binary_search(shown.begin(), shown.end(), static_cast<std::int32_t>(family));
             families_.push_back(is_shown ? make_cells(whole.parts[family], grid) : nullptr);
         }
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <utility>
@@ -20,6 +21,9 @@ namespace {
 constexpr double rounding_codes = 4e-5;
 /// More kinds of patches than that are not listed.
 constexpr std::uint32_t most_corner_patches = 1 << 14;
+/// Of maps that edits change, all kinds are made, if they are no more than this.
+constexpr std::size_t most_edited_patches = 1 << 12;
+constexpr std::uint64_t sundry_bytes = std::uint64_t{32} << 20;
 /// Maps of more patches keep sums of blocks of patches; of no more blocks than `most_sums`.
 constexpr std::int64_t most_single_sums = std::int64_t{1} << 20;
 constexpr std::int64_t most_sums = std::int64_t{1} << 22;
@@ -76,9 +80,7 @@ class MapExpectation final : public AreaExpectation {
                 spread_.add_entries(all);
             }
         }
-        if (!is_listed()) return;
-        if (!sums_) make_sums();
-        measure_whole();
+        if (is_listed()) find_whole();
     }
 
     /// Whether there were few enough kinds of patches.
@@ -87,18 +89,24 @@ class MapExpectation final : public AreaExpectation {
     }
 
     ChanceBound bound(int up) const noexcept override {
-        return up >= whole_up_ ? bound_of(up, whole_, spread_.range) : bound_of(up, spread_);
+        if (up < whole_up_) return bound_of(up, spread_);
+        tables();
+        return bound_of(up, whole_, spread_.range);
     }
 
-    Result<Evaluation> evaluate(const TexelRegion& region, int up, const Budget& budget,
-                                LinearImage& out) const override {
-        return up <= map_.cells_log2 ? inside_patches(region, up, budget, out)
-                                     : over_patches(region, up - map_.cells_log2, up, budget, out);
+    Result<Evaluation> evaluate(const TexelRegion& region, int up, const Budget& budget, LinearImage& out,
+                                std::int64_t shift) const override {
+        tables();
+        if (up > map_.cells_log2)
+            return over_patches(region, up - map_.cells_log2, up, budget, shift >> map_.cells_log2, out);
+        TexelRegion moved = region;
+        moved.x += shift >> up;
+        return inside_patches(moved, up, budget, out);
     }
 
     std::size_t memory_bytes() const noexcept override {
         return sizeof *this + states_.memory_bytes() + looks_.size() * sizeof looks_[0] +
-               patch_of_.size() * sizeof patch_of_[0] + (sums_ ? sums_->memory_bytes() : 0) +
+               static_cast<std::size_t>(map_expectation_bytes(map_) - sundry_bytes) +
                (corner_patches_ ? corner_patches_->memory_bytes() : 0);
     }
 
@@ -110,17 +118,38 @@ class MapExpectation final : public AreaExpectation {
     void list_corner_patches(const CellProgram& program, const VaryingMap& varying, const LookMeans& means,
                              std::int32_t slice) {
         corner_patches_.emplace(program, varying, means, slice, states_.values(), base_);
+        const std::size_t kinds = states_.values().size();
+        if (map_.bounded() && kinds * kinds * kinds * kinds <= most_edited_patches) {
+            // All that edits may make of the map
+            all_patches_ = kinds;
+            for (std::size_t i = 0; i < kinds * kinds * kinds * kinds; ++i)
+                corner_patches_->number({static_cast<std::uint16_t>(i % kinds),
+                                         static_cast<std::uint16_t>(i / kinds % kinds),
+                                         static_cast<std::uint16_t>(i / kinds / kinds % kinds),
+                                         static_cast<std::uint16_t>(i / kinds / kinds / kinds)});
+        } else {
+            list_patches();
+            if (!is_listed()) return;
+        }
+        corner_patches_->make();
+        for (std::uint32_t patch = 0; patch < corner_patches_->count(); ++patch)
+            spread_.add((*corner_patches_)[patch]);
+    }
+    void list_patches() const {
         const AreaSums::Axis x = patch_axis(map_, map_.width), y = patch_axis(map_, map_.height);
         patch_of_.reserve(static_cast<std::size_t>(x.count * y.count));
         for (std::int64_t j = y.from; j < y.from + y.count; ++j)
             for (std::int64_t i = x.from; i < x.from + x.count; ++i) {
-                patch_of_.push_back(static_cast<std::uint16_t>(corner_patches_->number(
-                    {state_at(i, j), state_at(i + 1, j), state_at(i, j + 1), state_at(i + 1, j + 1)})));
+                const std::array<std::uint16_t, 4> around{state_at(i, j), state_at(i + 1, j),
+                                                          state_at(i, j + 1), state_at(i + 1, j + 1)};
+                const std::size_t number =
+                    all_patches_ == 0
+                        ? corner_patches_->number(around)
+                        : around[0] + all_patches_ *
+                                          (around[1] + all_patches_ * (around[2] + all_patches_ * around[3]));
+                patch_of_.push_back(static_cast<std::uint16_t>(number));
                 if (!is_listed()) return;
             }
-        corner_patches_->make();
-        for (std::uint32_t patch = 0; patch < corner_patches_->count(); ++patch)
-            spread_.add((*corner_patches_)[patch]);
     }
     const CornerPatches::Patch& corner_patch(std::int64_t i, std::int64_t j) const noexcept {
         const AreaSums::Axis x = patch_axis(map_, map_.width), y = patch_axis(map_, map_.height);
@@ -143,7 +172,16 @@ class MapExpectation final : public AreaExpectation {
         return mean;
     }
 
-    void make_sums() {
+    /// What is made of all of the map, when it is asked for first: edits come faster than that.
+    void tables() const {
+        std::call_once(tabled_, [this] {
+            if (corners_ && patch_of_.empty()) list_patches();
+            make_sums();
+            if (whole_up_ <= max_level) measure_whole();
+        });
+    }
+
+    void make_sums() const {
         const AreaSums::Axis x = patch_axis(map_, map_.width), y = patch_axis(map_, map_.height);
         block_ = block_log2(map_);
         shift_x_ = (map_.x >> map_.cells_log2) & ((std::int64_t{1} << block_) - 1);
@@ -192,11 +230,15 @@ class MapExpectation final : public AreaExpectation {
     };
 
     /// The mean over all patches of a map that repeats, for texels that hold each as often.
-    void measure_whole() {
+    void find_whole() {
         const AreaSums::Axis x = patch_axis(map_, map_.width), y = patch_axis(map_, map_.height);
         const auto width = static_cast<std::uint64_t>(x.count), height = static_cast<std::uint64_t>(y.count);
-        if (!x.wraps || !std::has_single_bit(width) || !std::has_single_bit(height)) return;
-        whole_up_ = map_.cells_log2 + std::countr_zero(std::max(width, height));
+        if (x.wraps && std::has_single_bit(width) && std::has_single_bit(height))
+            whole_up_ = map_.cells_log2 + std::countr_zero(std::max(width, height));
+    }
+    void measure_whole() const {
+        const AreaSums::Axis x = patch_axis(map_, map_.width), y = patch_axis(map_, map_.height);
+        const auto width = static_cast<std::uint64_t>(x.count), height = static_cast<std::uint64_t>(y.count);
         // Corners at the border of patches lie in up to four of them, each of which moves some of their
         // cells: (a + b)² ≤ 2·(a² + b²)
         const double at_borders = 1 + 1 / static_cast<double>(std::int64_t{1} << map_.cells_log2);
@@ -280,8 +322,8 @@ class MapExpectation final : public AreaExpectation {
     }
     void read_states(std::int64_t first, std::int64_t j, std::vector<std::uint16_t>& states) const noexcept {
         if (map_.edge == StoredMap::Edge::wrap) {
-            const std::int32_t* row = &map_.values[static_cast<std::size_t>((j % map_.height + map_.height) %
-                                                                            map_.height * map_.width)];
+            const std::int32_t* row =
+                map_.values.data() + (j % map_.height + map_.height) % map_.height * std::int64_t{map_.width};
             std::int64_t i = (first % map_.width + map_.width) % map_.width;
             for (std::uint16_t& state : states) {
                 state = states_.number(row[i]);
@@ -378,9 +420,10 @@ class MapExpectation final : public AreaExpectation {
     }
 
     /// Texels of 2^log2 × 2^log2 patches, more than one.
+    /// `scrolled`: in entries.
     Result<Evaluation> over_patches(const TexelRegion& region, int log2, int up, const Budget& budget,
-                                    LinearImage& out) const {
-        const std::int64_t left = -(map_.x >> map_.cells_log2), top = -(map_.y >> map_.cells_log2);
+                                    std::int64_t scrolled, LinearImage& out) const {
+        const std::int64_t left = scrolled - (map_.x >> map_.cells_log2), top = -(map_.y >> map_.cells_log2);
         const double share =
             1 / (static_cast<double>(std::int64_t{1} << log2) * static_cast<double>(std::int64_t{1} << log2));
         std::vector<AreaSums::Stretch> columns;
@@ -435,15 +478,17 @@ class MapExpectation final : public AreaExpectation {
     bool draws_looks_ = false;  ///< Without corners: a state does not say all.
     bool independent_;
     Colour base_{};
-    std::vector<LookMixture> looks_;  ///< By state, without corners.
-    std::optional<CornerPatches> corner_patches_;
-    std::vector<std::uint16_t> patch_of_;  ///< With corners: of each stored patch.
-    Spread spread_;                        ///< Of all patches.
-    DrawSpread whole_;                     ///< A cell's on the average of all patches: of texels of
-    int whole_up_ = max_level + 1;         ///< this many levels above the cell, or more.
-    int block_ = 0;                        ///< log2 of the side of what is summed, in patches.
-    std::int64_t shift_x_ = 0, shift_y_ = 0;
-    std::optional<AreaSums> sums_;
+    std::vector<LookMixture> looks_;                       ///< By state, without corners.
+    mutable std::optional<CornerPatches> corner_patches_;  ///< Numbers patches; changes none.
+    std::size_t all_patches_ = 0;  ///< Patches are numbered by their states, of so many; 0: as they come.
+    mutable std::once_flag tabled_;
+    mutable std::vector<std::uint16_t> patch_of_;  ///< With corners: of each stored patch.
+    Spread spread_;                                ///< Of all patches.
+    mutable DrawSpread whole_;                     ///< A cell's on the average of all patches: of texels of
+    int whole_up_ = max_level + 1;                 ///< this many levels above the cell, or more.
+    mutable int block_ = 0;                        ///< log2 of the side of what is summed, in patches.
+    mutable std::int64_t shift_x_ = 0, shift_y_ = 0;
+    mutable std::optional<AreaSums> sums_;
 };
 
 }  // namespace
@@ -462,11 +507,11 @@ std::unique_ptr<const AreaExpectation> make_map_expectation(const CellProgram& p
 }
 
 std::uint64_t map_expectation_bytes(const StoredMap& map) noexcept {
-    if (sums_of(map) > most_sums) return 0;
+    if (sums_of(map) > most_sums) return sundry_bytes;
     const auto patches = static_cast<std::uint64_t>(patch_axis(map, map.width).count) *
                          static_cast<std::uint64_t>(patch_axis(map, map.height).count);
     // Numbers of patches, sums, kinds of patches and states
-    return patches * 2 + static_cast<std::uint64_t>(sums_of(map)) * 40 + (std::uint64_t{32} << 20);
+    return patches * 2 + static_cast<std::uint64_t>(sums_of(map)) * 40 + sundry_bytes;
 }
 
 }  // namespace tessera

@@ -9,6 +9,10 @@ std::optional<MapStates> MapStates::of(const StoredMap& map) {
     constexpr std::size_t most_states = std::size_t{1} << 16;
     const auto [least_at, most_at] = std::minmax_element(map.values.begin(), map.values.end());
     std::int64_t least = *least_at, most = *most_at;
+    if (map.bounded()) {
+        least = std::min<std::int64_t>(least, map.least);
+        most = std::max<std::int64_t>(most, map.most);
+    }
     if (map.edge == StoredMap::Edge::blank) {
         least = std::min<std::int64_t>(least, -1);
         most = std::max<std::int64_t>(most, -1);
@@ -16,6 +20,8 @@ std::optional<MapStates> MapStates::of(const StoredMap& map) {
     if (most - least >= most_apart) return std::nullopt;
 
     std::vector<bool> present(static_cast<std::size_t>(most - least + 1));
+    for (std::int64_t value = map.least; value <= map.most; ++value)
+        present[static_cast<std::size_t>(value - least)] = true;
     for (const std::int32_t value : map.values) present[static_cast<std::size_t>(value - least)] = true;
     if (map.edge == StoredMap::Edge::blank) present[static_cast<std::size_t>(-1 - least)] = true;
     MapStates states;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -61,15 +62,14 @@ std::shared_ptr<const Texture> make_sums(const ReferencePlan& plan,
 
 class OverflowTexture final : public PatternTexture, public Composite {
   public:
-    explicit OverflowTexture(const ReferencePlan& plan)
+    OverflowTexture(const ReferencePlan& plan, std::shared_ptr<const InstanceImages> images)
         : plan_{plan},
-          images_{std::make_shared<InstanceImages>(plan)},
+          images_{std::move(images)},
           range_{texel_range(plan)},
           sums_{make_sums(plan, images_)} {
         for (const auto& mean : images_->means(plan.grid.cell_log2).means)
             for (const double channel : mean)
                 largest_mean_ = std::max(largest_mean_, static_cast<float>(channel));
-        sample();
     }
 
     using Texture::evaluate;
@@ -110,7 +110,7 @@ class OverflowTexture final : public PatternTexture, public Composite {
         const auto width = static_cast<std::int32_t>(((region.x + region.width - 1) >> side_log2) - x + 1);
         const auto height = static_cast<std::int32_t>(((region.y + region.height - 1) >> side_log2) - y + 1);
         const CellSlice at = cell_slice(plan_.grid, region.slice, plan_.patterns->slices);
-        CellLooks looks{plan_, region.step, at.z, x, y, width, height};
+        CellLooks looks{plan_, region, at.z, x, y, width, height};
         const MeansOver over{range_, range_, region.level == 0};
         std::vector<float> texels;
         for (std::int64_t cell_y = y; cell_y < y + height; ++cell_y) {
@@ -164,6 +164,7 @@ class OverflowTexture final : public PatternTexture, public Composite {
         const auto error = static_cast<float>(sums->bound_codes * code_in_linear +
                                               (2 * cells + 1) / cells / cells * double{largest_mean_});
         bounds.resize(out.values.size() / 4);
+        std::call_once(sampled_, [this] { sample(); });
         for (std::size_t i = 0; i < bounds.size(); ++i) {
             float* texel = &out.values[i * 4];
             KnownMeans mean;
@@ -183,7 +184,7 @@ class OverflowTexture final : public PatternTexture, public Composite {
     }
 
     /// Which share of the instances' sum the texture shows, where it was looked at.
-    void sample() {
+    void sample() const {
         const std::int64_t side = std::int64_t{1} << plan_.grid.cell_log2;
         const std::int64_t texels =
             std::clamp<std::int64_t>(most_sampled_texels, side, side * most_sampled_cells);
@@ -198,7 +199,7 @@ class OverflowTexture final : public PatternTexture, public Composite {
         }
         const auto cells = static_cast<std::int32_t>(texels / side);
         const LookMeans means = images_->means(plan_.grid.cell_log2);
-        CellLooks looks{plan_, 0, 0, 0, 0, cells, cells};
+        CellLooks looks{plan_, TexelRegion{}, 0, 0, 0, cells, cells};
         for (std::int32_t y = 0; y < cells; ++y) {
             const Look* look = looks.row(y);
             for (std::int32_t x = 0; x < cells; ++x, ++look) {
@@ -215,13 +216,16 @@ class OverflowTexture final : public PatternTexture, public Composite {
     TexelRange range_;
     std::shared_ptr<const Texture> sums_;
     float largest_mean_ = 0;
-    std::array<float, 4> shown_{1, 1, 1, 1};
+    mutable std::once_flag sampled_;  ///< When a level above the cell is asked for first.
+    mutable std::array<float, 4> shown_{1, 1, 1, 1};
 };
 
 }  // namespace
 
-std::shared_ptr<const PatternTexture> make_overflow_texture(const ReferencePlan& plan) {
-    return std::make_shared<OverflowTexture>(plan);
+std::shared_ptr<const PatternTexture> make_overflow_texture(const ReferencePlan& plan,
+                                                            std::shared_ptr<const InstanceImages> images) {
+    if (!images) images = std::make_shared<const InstanceImages>(plan);
+    return std::make_shared<OverflowTexture>(plan, std::move(images));
 }
 
 }  // namespace tessera

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "server/blocks/plan.h"
+#include "server/pattern/instance_images.h"
 #include "server/pattern/pattern_texture.h"
 
 namespace tessera {
@@ -15,6 +16,8 @@ namespace tessera {
 /// deeper where that is not good enough (descent.h). Above the cell the texture is the sum of all its
 /// instances, exact or expected, less what they hide of each other, which is estimated from a sample of
 /// cells.
-std::shared_ptr<const PatternTexture> make_overflow_texture(const ReferencePlan& plan);
+/// `images`: of the plan; null: they are made.
+std::shared_ptr<const PatternTexture> make_overflow_texture(
+    const ReferencePlan& plan, std::shared_ptr<const InstanceImages> images = nullptr);
 
 }  // namespace tessera

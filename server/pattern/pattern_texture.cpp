@@ -13,6 +13,7 @@
 #include "server/pattern/instance_texture.h"
 #include "server/pattern/joint_types.h"
 #include "server/pattern/layered_texture.h"
+#include "server/pattern/pattern_kept.h"
 #include "server/pattern/pixel_map_texture.h"
 #include "server/pattern/texel_range.h"
 #include "server/texture/constant_texture.h"
@@ -22,8 +23,8 @@ namespace {
 
 class Compiler {
   public:
-    explicit Compiler(const Plan& plan)
-        : plan_{plan}, ranges_{texel_ranges(plan)}, made_(plan.textures.size()) {}
+    Compiler(const Plan& plan, PatternKept& kept)
+        : plan_{plan}, kept_{kept}, ranges_{texel_ranges(plan)}, made_(plan.textures.size()) {}
 
     /// Each texture once, and only those that are asked for.
     std::shared_ptr<const Texture> texture(std::size_t index) {
@@ -35,8 +36,13 @@ class Compiler {
 
   private:
     std::shared_ptr<const Texture> make(const ReferencePlan& plan) {
-        if (plan.transform) return make_instance_texture(plan);
-        return make_cell_texture(plan);
+        const auto basis = plan.program->basis();
+        const auto fresh = [&]() -> std::shared_ptr<const Texture> {
+            if (plan.transform) return make_instance_texture(plan, kept_.instances(plan));
+            return make_cell_texture(plan, kept_.mips(plan.patterns));
+        };
+        if (basis != CellProgram::Basis::typed && basis != CellProgram::Basis::constant) return fresh();
+        return kept_.texture(key_of(plan), fresh);
     }
     std::shared_ptr<const Texture> make(const GivenPlan& plan) { return plan.texture; }
 
@@ -129,19 +135,23 @@ class Compiler {
     }
     static std::vector<bool> shown_families(const PixelMapPlan& plan) {
         std::vector<bool> shown(plan.textures.size());
-        for (const std::int32_t family : plan.map->values) shown[static_cast<std::size_t>(family)] = true;
+        for (const std::int32_t family : possible_values(*plan.map))
+            shown[static_cast<std::size_t>(family)] = true;
         return shown;
     }
 
     /// One typed texture of all parts; null where they have no cells in common, or too many different ones.
-    static std::shared_ptr<const Texture> joint(const JointPart& whole) {
+    std::shared_ptr<const Texture> joint(const JointPart& whole) {
         const auto grid = joint_grid(whole);
         if (!grid) return nullptr;
-        auto types = make_joint_types(*grid, whole);
-        return types ? make_typed_texture(*grid, std::move(types)) : nullptr;
+        return kept_.texture("joint " + key_of(whole), [&]() -> std::shared_ptr<const Texture> {
+            auto types = make_joint_types(*grid, whole);
+            return types ? make_typed_texture(*grid, std::move(types)) : nullptr;
+        });
     }
 
     const Plan& plan_;
+    PatternKept& kept_;
     std::vector<TexelRange> ranges_;
     std::vector<std::shared_ptr<const Texture>> made_;
 };
@@ -172,8 +182,12 @@ std::uint64_t bytes_of(const ReferencePlan& plan) {
 
 }  // namespace
 
-std::shared_ptr<const Texture> make_pattern_texture(const Plan& plan) {
-    return Compiler{plan}.texture(plan.textures.size() - 1);
+std::shared_ptr<const Texture> make_pattern_texture(const Plan& plan, PatternKept* kept) {
+    PatternKept none;
+    PatternKept& keeper = kept != nullptr ? *kept : none;
+    auto texture = Compiler{plan, keeper}.texture(plan.textures.size() - 1);
+    keeper.next_round();
+    return texture;
 }
 
 std::size_t pattern_bytes(const Plan& plan) {

@@ -7,6 +7,8 @@
 
 namespace tessera {
 
+struct PatternKept;
+
 /// A texture made of cells, and what layers above or below it must know.
 class PatternTexture : public Texture {
   public:
@@ -23,7 +25,8 @@ class PatternTexture : public Texture {
 };
 
 /// Compiles the plan's textures, from parts to wholes.
-std::shared_ptr<const Texture> make_pattern_texture(const Plan& plan);
+/// `kept`: what can be taken over from an earlier compilation, and is kept for the next; null: nothing.
+std::shared_ptr<const Texture> make_pattern_texture(const Plan& plan, PatternKept* kept = nullptr);
 
 /// The most that it may take when it is compiled, in bytes: what loading checks before it allocates.
 std::size_t pattern_bytes(const Plan& plan);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <set>
 
 #include "shared/math/srgb.h"
 
@@ -15,7 +14,7 @@ constexpr float rounding = 2e-5F;
 constexpr std::size_t most_combinations = 4096;
 
 /// The patterns that cells can show, and whether a cell may show none.
-struct Shown {
+struct ShownPatterns {
     std::vector<bool> patterns;
     bool blank = false;
 
@@ -31,16 +30,9 @@ struct Shown {
     }
 };
 
-/// States that a map's entries can be.
-std::vector<std::int32_t> states_of(const StoredMap& map) {
-    std::set<std::int32_t> states(map.values.begin(), map.values.end());
-    if (map.edge == StoredMap::Edge::blank) states.insert(-1);
-    return {states.begin(), states.end()};
-}
-
-Shown shown_patterns(const ReferencePlan& plan) {
+ShownPatterns shown_patterns(const ReferencePlan& plan) {
     const CellProgram& program = *plan.program;
-    Shown shown{std::vector<bool>(static_cast<std::size_t>(plan.patterns->count)), false};
+    ShownPatterns shown{std::vector<bool>(static_cast<std::size_t>(plan.patterns->count)), false};
     switch (program.basis()) {
         case CellProgram::Basis::constant:
             shown.add(program.look_of_type(0).pattern);
@@ -55,7 +47,7 @@ Shown shown_patterns(const ReferencePlan& plan) {
         case CellProgram::Basis::varying: {
             const std::optional<VaryingMap> map = program.varying();
             if (!map || map->map == nullptr) break;
-            const std::vector<std::int32_t> states = states_of(*map->map);
+            const std::vector<std::int32_t> states = possible_values(*map->map);
             const std::size_t corners = map->corners ? 4 : 1;
             std::size_t combinations = 1;
             for (std::size_t k = 0; k < corners; ++k)
@@ -131,7 +123,7 @@ TexelRange range_of_either(const TexelRange& a, const TexelRange& b) noexcept {
 
 TexelRange texel_range(const ReferencePlan& plan) {
     const PatternImages& patterns = *plan.patterns;
-    const Shown shown = shown_patterns(plan);
+    const ShownPatterns shown = shown_patterns(plan);
     TexelRange range{.least = {1, 1, 1, 1},
                      .most = {0, 0, 0, 0},
                      .straight_least = {1, 1, 1, 1},

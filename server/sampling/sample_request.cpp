@@ -11,6 +11,7 @@
 
 #include "shared/math/footprint_from_rays.h"
 #include "shared/page/page_key.h"
+#include "shared/page/parameter.h"
 #include "shared/wire/json.h"
 
 namespace tessera {
@@ -146,6 +147,11 @@ Result<void> read_choices(const proto::SampleRequest& given, SampleRequest& requ
     if (given.slice() < -max_slice || given.slice() > max_slice)
         return malformed("slice: an integer from -2^40 to 2^40");
     request.slice = given.slice();
+    if (given.step() < -max_step || given.step() > max_step)
+        return malformed("step: an integer from -2^62 to 2^62");
+    if (!(given.parameter() >= 0 && given.parameter() <= 1))
+        return malformed("parameter: a number from 0 to 1");
+    request.time = {given.step(), static_cast<std::int32_t>(given.parameter() * parameter_one)};
     return {};
 }
 

@@ -20,6 +20,13 @@ enum class WireCoding : std::uint8_t { protobuf, json };
 /// "application/x-protobuf", "application/json"
 std::string_view content_type(WireCoding coding) noexcept;
 
+/// When a moving scene is sampled.
+struct SampleTime {
+    std::int64_t step = 0;       ///< Within ±max_step
+    std::int32_t parameter = 0;  ///< 65536ths, 0 to 65536
+    bool operator==(const SampleTime&) const = default;
+};
+
 /// proto::SampleRequest as far as it has been checked: every footprint is in range and convex.
 struct SampleRequest {
     std::vector<Footprint> footprints;
@@ -28,6 +35,7 @@ struct SampleRequest {
     std::optional<double> max_error;  ///< In codes, 0 to 255; not with a filter.
     ChannelSet channels = ChannelSet::albedo;
     std::int64_t slice = 0;  ///< Within ±max_slice.
+    SampleTime time{};
 };
 
 inline constexpr std::size_t max_sample_footprints = 65'536;

@@ -202,6 +202,7 @@ Result<void> SampleService::read(SampleJob& job) {
                                                       "\"; it has " + scene.channel_names()};
         const std::int64_t slice = scene.same_slice(request->slice);
         for (Footprint& footprint : request->footprints) footprint.slice = slice;
+        request->time = {scene.same_step(request->time.step), scene.same_parameter(request->time.parameter)};
         job.plan = choose_filter(request->filter, request->accuracy, request->max_error);
         job.samples.resize(request->footprints.size());
         job.steps_taken.resize(request->footprints.size());
@@ -222,7 +223,7 @@ Result<void> SampleService::sample(SampleJob& job, std::size_t part) {
         budget.accuracy = step.texels;
         if (const auto spent = check_budget(budget); !spent) return spent;
         const Clock::time_point begun = Clock::now();
-        const auto sampler = store_.borrow(job.call.scene, job.request.channels, step);
+        const auto sampler = store_.borrow(job.call.scene, job.request.channels, step, job.request.time);
         const auto done = sampler->sample(footprints, budget, samples);
         std::uint64_t texels = 0;
         for (const FilteredSample& sample : samples) texels += sample.texels;

@@ -8,17 +8,41 @@ namespace {
 /// The part of the memory that pages take; samplers, which keep their own copies and tables, take the rest.
 constexpr std::size_t page_share_percent = 40;
 
+/// A texture as it is at a step.
+class TextureAt final : public Texture {
+  public:
+    TextureAt(std::shared_ptr<const Texture> texture, const SampleTime& time)
+        : texture_{std::move(texture)}, time_{time} {}
+    Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
+                                LinearImage& out) const override {
+        TexelRegion then = region;
+        then.step = time_.step;
+        then.parameter = time_.parameter;
+        return texture_->evaluate(then, budget, out);
+    }
+    using Texture::evaluate;
+    TexelKind texel_kind() const noexcept override { return texture_->texel_kind(); }
+    std::string_view kind() const noexcept override { return texture_->kind(); }
+    std::string description() const override { return texture_->description(); }
+    std::size_t memory_bytes() const noexcept override { return texture_->memory_bytes(); }
+
+  private:
+    std::shared_ptr<const Texture> texture_;
+    SampleTime time_;
+};
+
 constexpr auto used_before = [](const auto& a, const auto& b) { return a.used < b.used; };
 
 }  // namespace
 
-SamplerStore::Loan SamplerStore::borrow(const ScenePtr& scene, ChannelSet channels, const SampleStep& step) {
+SamplerStore::Loan SamplerStore::borrow(const ScenePtr& scene, ChannelSet channels, const SampleStep& step,
+                                        const SampleTime& time) {
     std::vector<std::shared_ptr<const void>> dropped;  // destroyed after the lock is released
     std::vector<Idle> dropped_samplers;
     std::shared_ptr<const TexelPages> pages;
     {
         const std::lock_guard lock{mutex_};
-        pages = pages_of(scene, channels, step.texels, dropped);
+        pages = pages_of(scene, channels, step.texels, time, dropped);
         for (auto idle = idle_.begin(); idle != idle_.end();)
             if (is_kept(idle->pages)) {
                 ++idle;
@@ -43,10 +67,11 @@ SamplerStore::Loan SamplerStore::borrow(const ScenePtr& scene, ChannelSet channe
 
 /// The lock is held.
 std::shared_ptr<const TexelPages> SamplerStore::pages_of(const ScenePtr& scene, ChannelSet channels,
-                                                         Accuracy texels,
+                                                         Accuracy texels, const SampleTime& time,
                                                          std::vector<std::shared_ptr<const void>>& dropped) {
     const auto known = std::find_if(sources_.begin(), sources_.end(), [&](const Source& source) {
-        return source.scene == scene && source.channels == channels && source.texels == texels;
+        return source.scene == scene && source.channels == channels && source.texels == texels &&
+               source.time == time;
     });
     if (known != sources_.end()) {
         known->used = ++clock_;
@@ -69,8 +94,9 @@ std::shared_ptr<const TexelPages> SamplerStore::pages_of(const ScenePtr& scene, 
     }
     const std::size_t bytes =
         limits_.memory_bytes / 100 * page_share_percent / std::max<std::size_t>(limits_.sources, 1);
-    const std::shared_ptr<const Texture> texture{scene, scene->texture_of(channels)};
-    sources_.push_back({scene, channels, texels, makers_.pages(texture, texels, bytes), ++clock_});
+    std::shared_ptr<const Texture> texture{scene, scene->texture_of(channels)};
+    if (time != SampleTime{}) texture = std::make_shared<TextureAt>(std::move(texture), time);
+    sources_.push_back({scene, channels, texels, time, makers_.pages(texture, texels, bytes), ++clock_});
     return sources_.back().pages;
 }
 

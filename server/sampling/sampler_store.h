@@ -11,6 +11,7 @@
 #include "server/filter/footprint_sampler.h"
 #include "server/filter/texel_pages.h"
 #include "server/sampling/sample_plan.h"
+#include "server/sampling/sample_request.h"
 #include "server/scene/scene.h"
 
 namespace tessera {
@@ -23,7 +24,7 @@ class SamplerStore {
     struct Limits {
         std::size_t memory_bytes = std::size_t{512} << 20;  ///< Of pages and samplers together.
         std::size_t samplers = 8;  ///< More than are lent at a time, or nothing is kept between requests.
-        std::size_t sources = 6;   ///< Scene, channels and accuracy of the texels.
+        std::size_t sources = 6;   ///< Scene, channels, accuracy of the texels, and time.
     };
     /// How pages and samplers are made; tests put in their own.
     struct Makers {
@@ -43,6 +44,7 @@ class SamplerStore {
         ScenePtr scene;
         ChannelSet channels;
         Accuracy texels;
+        SampleTime time;
         std::shared_ptr<const TexelPages> pages;
         std::uint64_t used = 0;
     };
@@ -69,7 +71,8 @@ class SamplerStore {
     };
 
     /// `scene` has the channels.
-    Loan borrow(const ScenePtr& scene, ChannelSet channels, const SampleStep& step);
+    Loan borrow(const ScenePtr& scene, ChannelSet channels, const SampleStep& step,
+                const SampleTime& time = {});
 
     /// Lets go of all scenes: those that are served now are others.
     void forget();
@@ -81,6 +84,7 @@ class SamplerStore {
 
   private:
     std::shared_ptr<const TexelPages> pages_of(const ScenePtr& scene, ChannelSet channels, Accuracy texels,
+                                               const SampleTime& time,
                                                std::vector<std::shared_ptr<const void>>& dropped);
     void take_back(Idle lent);
     bool is_kept(const std::shared_ptr<const TexelPages>& pages) const;

@@ -7,6 +7,7 @@
 #include "proto/pattern.pb.h"
 
 #include "server/pattern/pattern_texture.h"
+#include "server/pattern/targeted_texture.h"
 #include "server/scene/pattern_files.h"
 #include "server/scene/scene.h"
 
@@ -68,23 +69,32 @@ std::int32_t slices_of(const Plan& plan) {
 
 }  // namespace
 
-Result<void> compile_pattern(const std::filesystem::path& folder, const std::filesystem::path& file,
-                             const proto::Pattern& message, Scene& scene) {
-    PatternFiles files{folder};
-    const auto plan = compile_plan(message, files);
-    if (!plan) return Error{plan.error().code, file.string() + ": " + plan.error().detail};
+Result<Plan> plan_pattern(const proto::Pattern& message, BlockFiles& files) {
+    auto plan = compile_plan(message, files);
+    if (!plan) return plan.error();
     if (const std::size_t bytes = pattern_bytes(*plan); bytes > max_pattern_bytes)
         return Error{ErrorCode::invalid_input,
-                     file.string() + ": pattern: its blocks would take about " + std::to_string(bytes >> 20) +
+                     "pattern: its blocks would take about " + std::to_string(bytes >> 20) +
                          " MiB, more than " + std::to_string(max_pattern_bytes >> 20) +
                          "; use smaller or fewer patterns and maps, or fewer types, turns and scales"};
-    scene.texture = make_pattern_texture(*plan);
+    return plan;
+}
+
+Result<void> compile_pattern(BlockFiles& files, PatternKept* kept, const std::filesystem::path& file,
+                             const proto::Pattern& message, std::span<const MovingTarget> targets,
+                             Scene& scene) {
+    const auto plan = plan_pattern(message, files);
+    if (!plan) return Error{plan.error().code, file.string() + ": " + plan.error().detail};
+    scene.texture = make_targeted_texture(make_pattern_texture(*plan, kept), *plan, targets);
+    scene.editable_maps = std::make_shared<const std::vector<EditableMap>>(plan->maps);
     scene.slices = slices_of(*plan);
-    scene.animated =
+    scene.clocked =
         std::any_of(plan->textures.begin(), plan->textures.end(), [](const PlannedTexture& texture) {
             const auto* cells = std::get_if<ReferencePlan>(&texture.what);
-            return cells != nullptr && cells->program->moves();
+            return cells != nullptr && cells->program->clocked();
         });
+    scene.animated = scene.clocked || moved_by_targets(*scene.texture);
+    scene.parameters = plan->parameters;
     scene.block_list = to_text(plan->lines);
     return {};
 }

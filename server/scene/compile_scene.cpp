@@ -8,8 +8,10 @@
 #include "server/scene/compile_pattern.h"
 #include "server/scene/compile_sprites.h"
 #include "server/scene/scene.h"
+#include "server/scene/scene_document.h"
 #include "server/texture/constant_texture.h"
 #include "server/texture/exchange.h"
+#include "shared/wire/target_message.h"
 
 namespace tessera {
 namespace {
@@ -62,7 +64,9 @@ Result<void> set(Result<std::shared_ptr<const Texture>> texture, Scene& scene) {
 }
 
 Result<void> compile_texture(const fs::path& folder, const fs::path& file, const proto::Scene& message,
-                             Scene& scene) {
+                             BlockFiles& files, PatternKept* kept, Scene& scene) {
+    const auto targets = targets_of(message.targets());
+    if (!targets) return invalid(file, "targets" + targets.error().detail);
     switch (message.texture_case()) {
         case proto::Scene::kConstant: {
             const auto color = to_color(file, "constant.color", message.constant().color());
@@ -79,7 +83,7 @@ Result<void> compile_texture(const fs::path& folder, const fs::path& file, const
         case proto::Scene::kWang:
             return compile_exchange(folder, file, ExchangeMethod::wang, message.wang(), scene);
         case proto::Scene::kPattern:
-            return compile_pattern(folder, file, message.pattern(), scene);
+            return compile_pattern(files, kept, file, message.pattern(), *targets, scene);
         case proto::Scene::TEXTURE_NOT_SET:
             break;
     }
@@ -102,11 +106,21 @@ Result<void> compile_clock(const fs::path& file, const proto::Clock& clock, Scen
 
 }  // namespace
 
+Result<void> compile_ground(const fs::path& folder, const fs::path& file, const proto::Scene& message,
+                            BlockFiles& files, PatternKept* kept, Scene& scene) {
+    if (auto texture = compile_texture(folder, file, message, files, kept, scene); !texture) return texture;
+    return compile_clock(file, message.clock(), scene);
+}
+
 Result<void> compile_scene(const fs::path& folder, const fs::path& file, const proto::Scene& message,
                            Scene& scene) {
-    if (auto texture = compile_texture(folder, file, message, scene); !texture) return texture;
-    if (auto clock = compile_clock(file, message.clock(), scene); !clock) return clock;
-    return message.has_sprites() ? compile_sprites(folder, file, message.sprites(), scene) : Result<void>{};
+    // What edits go on with
+    auto document = std::make_shared<const SceneDocument>(folder, message);
+    if (auto ground = document->compile(message, {}, scene); !ground) return ground;
+    if (message.has_sprites())
+        if (auto sprites = compile_sprites(folder, file, message.sprites(), scene); !sprites) return sprites;
+    if (takes_edits(message, scene)) scene.document = std::move(document);
+    return {};
 }
 
 }  // namespace tessera

@@ -6,7 +6,9 @@
 
 namespace tessera {
 
+struct PatternKept;
 struct Scene;
+class BlockFiles;
 namespace proto {
 class Scene;
 }
@@ -16,5 +18,9 @@ class Scene;
 /// message names file, field and fix.
 Result<void> compile_scene(const std::filesystem::path& folder, const std::filesystem::path& file,
                            const proto::Scene& message, Scene& scene);
+
+/// The same without the sprites, from `files`. `kept`: as of make_pattern_texture().
+Result<void> compile_ground(const std::filesystem::path& folder, const std::filesystem::path& file,
+                            const proto::Scene& message, BlockFiles& files, PatternKept* kept, Scene& scene);
 
 }  // namespace tessera

@@ -37,6 +37,15 @@ Result<void> compile_sprites(const std::filesystem::path& folder, const std::fil
     const auto patterns = files.read_patterns("sprites.patterns", message.patterns());
     if (!patterns) return Error{patterns.error().code, file.string() + ": " + patterns.error().detail};
 
+    constexpr int max_animations = 4096;
+    if (message.animations_size() > max_animations)
+        return invalid(".animations: lists " + std::to_string(message.animations_size()) + "; at most 4096");
+    std::vector<std::shared_ptr<const SpriteFrames>> animations;
+    for (int i = 0; i < message.animations_size(); ++i) {
+        auto frames = sprite_frames_of(message.animations(i), patterns->count);
+        if (!frames) return invalid(".animations[" + std::to_string(i) + "]." + frames.error().detail);
+        animations.push_back(std::move(*frames));
+    }
     PositioningMap map{message.overlap_layers() == 0 ? PositioningMap::max_overlap_layers
                                                      : std::size_t{message.overlap_layers()}};
     std::unordered_set<SpriteId> ids;
@@ -44,7 +53,7 @@ Result<void> compile_sprites(const std::filesystem::path& folder, const std::fil
         const auto wrong = [&](const std::string& what) {
             return invalid(".placed[" + std::to_string(i) + "]" + what);
         };
-        const auto sprite = sprite_of(message.placed(i), {patterns->count, patterns->side});
+        const auto sprite = sprite_of(message.placed(i), {patterns->count, patterns->side, animations});
         if (!sprite) return wrong("." + sprite.error().detail);
         if (!ids.insert(sprite->id).second)
             return wrong(".id: is " + std::to_string(sprite->id) + ", as another sprite's; ids differ");
@@ -54,7 +63,8 @@ Result<void> compile_sprites(const std::filesystem::path& folder, const std::fil
     scene.ground_animated = scene.animated;
     scene.animated = scene.animated || map.living() > 0;
     scene.ground = scene.texture;
-    scene.sprite_images = std::make_shared<const SpriteImages>(*patterns, image_cache_bytes);
+    scene.sprite_images =
+        std::make_shared<const SpriteImages>(*patterns, image_cache_bytes, std::move(animations));
     scene.sprites = std::move(map);
     scene.texture = make_sprite_texture(scene.ground, scene.sprite_images, scene.sprites);
     return {};

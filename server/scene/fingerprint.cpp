@@ -22,8 +22,13 @@ Result<std::string> fingerprint_of(const fs::path& folder, const std::string& sc
     std::vector<fs::path> files;
     std::error_code failure;
     for (fs::recursive_directory_iterator entry{folder, failure}, end; !failure && entry != end;
-         entry.increment(failure))
-        if (std::error_code odd; entry->is_regular_file(odd)) files.push_back(entry->path());
+         entry.increment(failure)) {
+        // The journal of a scene that is served alone lies inside it, and changes with every edit
+        if (entry->path().filename().string().starts_with('.'))
+            entry.disable_recursion_pending();
+        else if (std::error_code odd; entry->is_regular_file(odd))
+            files.push_back(entry->path());
+    }
     if (failure) return Error{ErrorCode::io_failure, folder.string() + ": " + failure.message()};
     std::sort(files.begin(), files.end());
 

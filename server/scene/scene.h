@@ -4,12 +4,14 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include "server/texture/material.h"
 #include "server/texture/texture.h"
+#include "shared/motion/scene_clock.h"
 #include "shared/page/page_key.h"
 #include "shared/result/result.h"
 #include "shared/revisions/page_revisions.h"
@@ -17,7 +19,9 @@
 
 namespace tessera {
 
+class SceneDocument;
 class SpriteImages;
+struct EditableMap;
 
 /// A loaded scene: immutable, shared by everything that answers for it.
 struct Scene {
@@ -32,13 +36,20 @@ struct Scene {
     std::vector<Channels> channels;          ///< The other sets it has, in the order of ChannelSet.
     /// Slices after which the texture is the same again: 1 without a third dimension, 0 if it never is.
     std::int32_t slices = 1;
-    std::shared_ptr<const Texture> ground;              ///< What sprites lie over; null: the scene has none.
-    bool ground_animated = false;                       ///< Whether it changes with the step by itself.
+    std::shared_ptr<const Texture> ground;  ///< What sprites lie over; null: the scene has none.
+    bool ground_animated = false;           ///< Whether it changes with the step by itself.
+    /// Whether blocks do, whatever targets there are: with other targets, ground_animated is this, or
+    /// moved_by_targets() of with_targets() (server/pattern/targeted_texture.h).
+    bool clocked = false;
     std::shared_ptr<const SpriteImages> sprite_images;  ///< What they look like.
     PositioningMap sprites;                             ///< Where they are.
     bool animated = false;                              ///< Whether anything changes with the step.
-    double steps_per_second = 10;                       ///< At which players show it.
-    std::int64_t loop_steps = 0;  ///< After which players begin again at step 0; 0: never.
+    std::vector<std::int32_t> parameters;           ///< From which on requests see other frames; see Plan.
+    double steps_per_second = 10;                   ///< At which players show it.
+    std::int64_t loop_steps = 0;                    ///< After which players begin again at step 0; 0: never.
+    std::shared_ptr<const SceneDocument> document;  ///< What edits change; null: it takes none.
+    std::shared_ptr<const std::vector<EditableMap>> editable_maps;  ///< Of its pattern; null: none.
+    std::optional<SceneClock> clock;  ///< Of a scene that takes edits, as it is served.
     std::string block_list;  ///< Of a pattern, for `tessera check`: a line for each block of the scene file.
 
     /// The least slice, from 0 on, that looks like this one; the slice itself where none repeats.
@@ -48,6 +59,14 @@ struct Scene {
 
     /// The step whose pages are those of this one: 0 where nothing moves.
     std::int64_t same_step(std::int64_t step) const noexcept { return animated ? step : 0; }
+
+    /// The least parameter whose pages are those of this one, 0 to 65536: 0 where no request drives anything.
+    std::int32_t same_parameter(std::int32_t parameter) const noexcept {
+        std::int32_t same = 0;
+        for (const std::int32_t from : parameters)
+            if (from <= parameter) same = from;
+        return same;
+    }
 
     /// Null if the scene has no such set.
     const Texture* texture_of(ChannelSet set) const noexcept {

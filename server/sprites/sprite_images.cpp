@@ -20,10 +20,12 @@ std::size_t SpriteImages::KeyHash::operator()(const Key& key) const noexcept {
                 std::int64_t{key.turn} << 32 | std::int64_t{key.part_x} << 16 | key.part_y);
 }
 
-SpriteImages::SpriteImages(const PatternImages& patterns, std::size_t cache_bytes)
+SpriteImages::SpriteImages(const PatternImages& patterns, std::size_t cache_bytes,
+                           std::vector<std::shared_ptr<const SpriteFrames>> animations)
     : side_{patterns.side},
       count_{patterns.count},
       slices_{patterns.slices},
+      animations_{std::move(animations)},
       steps_{premultiplied_steps(patterns)},
       cache_bytes_{cache_bytes} {}
 
@@ -34,12 +36,12 @@ SpriteImage SpriteImages::of(const Sprite& sprite, std::int64_t slice, std::int6
     constexpr std::int64_t half = sprite_units / 2;
     static_assert(sprite_units == 256);
     const std::int64_t x = middle.x - square * half, y = middle.y - square * half;
-    const Key key{
-        .image = sprite.pattern * slices_ + static_cast<std::int32_t>((slice % slices_ + slices_) % slices_),
-        .scale = sprite.scale,
-        .turn = sprite.turn,
-        .part_x = static_cast<std::uint16_t>(x & (sprite_units - 1)),
-        .part_y = static_cast<std::uint16_t>(y & (sprite_units - 1))};
+    const Key key{.image = pattern_at(sprite, step) * slices_ +
+                           static_cast<std::int32_t>((slice % slices_ + slices_) % slices_),
+                  .scale = sprite.scale,
+                  .turn = sprite.turn,
+                  .part_x = static_cast<std::uint16_t>(x & (sprite_units - 1)),
+                  .part_y = static_cast<std::uint16_t>(y & (sprite_units - 1))};
     SpriteImage found{nullptr, x >> 8, y >> 8};
     {
         const std::lock_guard lock{mutex_};

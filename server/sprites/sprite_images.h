@@ -5,6 +5,7 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -26,12 +27,16 @@ struct SpriteImage {
 /// first asked for, and the latest are kept, up to `cache_bytes`. May be asked from several threads.
 class SpriteImages {
   public:
-    SpriteImages(const PatternImages& patterns, std::size_t cache_bytes);
+    /// `animations`: those of the scene, which sprites may show.
+    SpriteImages(const PatternImages& patterns, std::size_t cache_bytes,
+                 std::vector<std::shared_ptr<const SpriteFrames>> animations = {});
 
     std::int32_t side() const noexcept { return side_; }
     std::int32_t count() const noexcept { return count_; }
+    std::span<const std::shared_ptr<const SpriteFrames>> animations() const noexcept { return animations_; }
 
-    /// Where the sprite is at `step`; its pattern exists. A set's slices follow each other, again and again.
+    /// Where the sprite is at `step`, and what it shows; its patterns exist. A set's slices follow each
+    /// other, again and again.
     SpriteImage of(const Sprite& sprite, std::int64_t slice, std::int64_t step) const;
 
     std::size_t memory_bytes() const noexcept { return steps_.size() * sizeof(std::uint16_t) + cache_bytes_; }
@@ -56,6 +61,7 @@ class SpriteImages {
     std::shared_ptr<const SummedArea> render(const Key& key, std::int32_t width) const;
 
     std::int32_t side_, count_, slices_;
+    std::vector<std::shared_ptr<const SpriteFrames>> animations_;
     std::vector<std::uint16_t> steps_;  ///< Of the patterns, premultiplied.
     std::size_t cache_bytes_;
 

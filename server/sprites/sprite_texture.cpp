@@ -176,7 +176,8 @@ class SpriteTexture final : public PatternTexture {
                                    .width = static_cast<std::int32_t>(part.x1 - part.x0),
                                    .height = static_cast<std::int32_t>(part.y1 - part.y0),
                                    .slice = region.slice,
-                                   .step = region.step};
+                                   .step = region.step,
+                                   .parameter = region.parameter};
             const Result<Evaluation> evaluated = ground_->evaluate(fine, budget, before);
             if (!evaluated) return evaluated;
             ground_bound = std::max(ground_bound, evaluated->bound_codes);

@@ -35,7 +35,7 @@ Shown shown_at(const TimeLine& line, const Cycle& cycle, Step step) noexcept {
 
 std::int32_t frame_of_parameter(const TimeLine& line, std::int64_t parameter) noexcept {
     const std::int64_t clamped = std::clamp<std::int64_t>(parameter, 0, 65535);
-    return line.frame_at(clamped * line.run() >> 16);
+    return line.frame_at(static_cast<std::int64_t>(Wide{clamped} * line.run() >> 16));
 }
 
 }  // namespace tessera

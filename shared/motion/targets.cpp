@@ -1,6 +1,7 @@
 #include "shared/motion/targets.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace tessera {
 
@@ -20,6 +21,44 @@ MovingTarget::MovingTarget(std::span<const Leg> legs, Step first)
         begin += leg.steps;
     }
     begins_.push_back(begin);
+    box_ = {legs_.front().from, legs_.front().from};
+    for (const Leg& leg : legs_) {
+        box_.least = {std::min(box_.least.x, leg.from.x), std::min(box_.least.y, leg.from.y)};
+        box_.most = {std::max(box_.most.x, leg.from.x), std::max(box_.most.y, leg.from.y)};
+    }
+    for (std::size_t i = 0; i < legs_.size(); ++i) {
+        const MotionPoint from = legs_[i].from, to = legs_[(i + 1) % legs_.size()].from;
+        speed_ = std::max(speed_,
+                          std::hypot(static_cast<double>(to.x - from.x), static_cast<double>(to.y - from.y)) /
+                              legs_[i].steps);
+    }
+}
+
+bool MovingTarget::moves() const noexcept {
+    return box_.least.x != box_.most.x || box_.least.y != box_.most.y;
+}
+
+MovingTarget::Box MovingTarget::box(Step from, Step until) const noexcept {
+    if (Wide{until} - from >= round_steps()) return box_;
+    const auto corner = [](const Place& place, bool up) {
+        return MotionPoint{place.x + (up && place.x_rest > 0), place.y + (up && place.y_rest > 0)};
+    };
+    const Place first = at(from);
+    Box box{corner(first, false), corner(first, true)};
+    const auto add = [&box](MotionPoint least, MotionPoint most) {
+        box.least = {std::min(box.least.x, least.x), std::min(box.least.y, least.y)};
+        box.most = {std::max(box.most.x, most.x), std::max(box.most.y, most.y)};
+    };
+    // Each leg's end on the way, and where it is at last
+    for (Walk walk = walk_at(from);;) {
+        const Step next = add_steps(walk.begin, walk.steps);
+        if (next >= until) break;
+        walk = walk_at(next);
+        add(walk.from, walk.from);
+    }
+    const Place last = at(until - 1);
+    add(corner(last, false), corner(last, true));
+    return box;
 }
 
 MovingTarget::Walk MovingTarget::walk_at(Step step) const noexcept {
@@ -49,6 +88,7 @@ MovingTarget::Place MovingTarget::at(Step step) const noexcept {
 TargetDistance::TargetDistance(const TimeLine& line, std::int64_t near, std::int64_t far,
                                std::span<const MovingTarget> targets)
     : targets_(targets.begin(), targets.end()) {
+    for (const MovingTarget& target : targets_) round_ = std::max(round_, target.round_steps());
     // The way from `far` to `near` in equal parts, one for each position
     for (std::int32_t frame = 1; frame < line.frames(); ++frame)
         reach_.push_back(far -
@@ -110,12 +150,14 @@ std::int64_t last_of(std::int64_t from, std::int64_t to, const Is& is) {
 
 }  // namespace
 
-Step TargetDistance::next_change(const MovingTarget& target, MotionPoint cell, Step step) const noexcept {
+Step TargetDistance::next_change(const MovingTarget& target, MotionPoint cell, Step step,
+                                 Step limit) const noexcept {
+    if (!ever_near(target, cell)) return never;
     MovingTarget::Walk walk = target.walk_at(step);
     std::int64_t moved = step - walk.begin;
     const std::int32_t frame = frame_on(walk, cell, moved);
     const auto differs = [&](std::int64_t at) { return frame_on(walk, cell, at) != frame; };
-    const Step round_over = add_steps(step, target.round_steps());
+    const Step round_over = std::min(add_steps(step, target.round_steps()), limit);
     for (;;) {
         const std::int64_t closest = closest_on(walk, cell);
         std::int64_t change = first_of(moved, closest, differs);
@@ -129,12 +171,14 @@ Step TargetDistance::next_change(const MovingTarget& target, MotionPoint cell, S
     }
 }
 
-Step TargetDistance::last_change(const MovingTarget& target, MotionPoint cell, Step step) const noexcept {
+Step TargetDistance::last_change(const MovingTarget& target, MotionPoint cell, Step step,
+                                 Step limit) const noexcept {
+    if (!ever_near(target, cell)) return always;
     MovingTarget::Walk walk = target.walk_at(step);
     std::int64_t moved = step - walk.begin;
     const std::int32_t frame = frame_on(walk, cell, moved);
     const auto differs = [&](std::int64_t at) { return frame_on(walk, cell, at) != frame; };
-    const Step round_over = add_steps(step, -target.round_steps());
+    const Step round_over = std::max(add_steps(step, -target.round_steps()), limit);
     for (;;) {
         const std::int64_t closest = closest_on(walk, cell);
         std::int64_t change = last_of(closest, moved, differs);
@@ -150,36 +194,39 @@ Step TargetDistance::last_change(const MovingTarget& target, MotionPoint cell, S
 std::int32_t TargetDistance::frame_at(MotionPoint cell, Step step) const noexcept {
     std::int32_t frame = 0;
     for (const MovingTarget& target : targets_) {
+        if (!ever_near(target, cell)) continue;
         const MovingTarget::Walk walk = target.walk_at(step);
         frame = std::max(frame, frame_on(walk, cell, step - walk.begin));
     }
     return frame;
 }
 
-TargetDistance::Answer TargetDistance::shown_at(MotionPoint cell, Step step) const noexcept {
+TargetDistance::Answer TargetDistance::shown_at(MotionPoint cell, Step step,
+                                                const Validity& within) const noexcept {
     const std::int32_t frame = frame_at(cell, step);
-    if (reach_.empty()) return {frame, {}};
-    Validity validity{step, step};
+    if (reach_.empty() || targets_.empty()) return {frame, {}};
     // Targets change by turns, and what is nearest may do so without the frame
-    const auto next = [&](Step at) {
-        Step least = never;
-        for (const MovingTarget& target : targets_) least = std::min(least, next_change(target, cell, at));
-        return least;
-    };
-    const auto last = [&](Step at) {
-        Step most = always;
-        for (const MovingTarget& target : targets_) most = std::max(most, last_change(target, cell, at));
-        return most;
-    };
-    const Step round = targets_.empty() ? 0 : targets_.front().round_steps();
-    const Step latest = add_steps(step, round), earliest = add_steps(step, -round);
-    do validity.until = next(validity.until);
-    while (validity.until < latest && frame_at(cell, validity.until) == frame);
-    if (validity.until >= latest) return {frame, {}};  // Not once in a whole round
+    const Step round_over = add_steps(step, round_), round_before = add_steps(step, -round_);
+    const Step latest = std::min(round_over, within.until), earliest = std::max(round_before, within.from);
+    Validity validity{step, step};
+    do {
+        Step next = never;
+        for (const MovingTarget& target : targets_)
+            next = std::min(next, next_change(target, cell, validity.until, latest));
+        validity.until = next;
+    } while (validity.until < latest && frame_at(cell, validity.until) == frame);
+    if (validity.until >= latest) {
+        if (latest == round_over) return {frame, {}};  // Not once in a whole round
+        validity.until = never;
+    }
     for (Step at = step;; at = validity.from - 1) {
-        validity.from = last(at);
+        Step last = always;
+        for (const MovingTarget& target : targets_)
+            last = std::max(last, last_change(target, cell, at, earliest));
+        validity.from = last;
         if (validity.from <= earliest || frame_at(cell, validity.from - 1) != frame) break;
     }
+    if (validity.from <= earliest && earliest > round_before) validity.from = always;
     return {frame, validity};
 }
 

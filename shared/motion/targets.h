@@ -43,11 +43,31 @@ class MovingTarget {
     Walk walk_at(Step step) const noexcept;
 
     std::int64_t round_steps() const noexcept { return begins_.back(); }  ///< Until it comes round again.
+    std::span<const Leg> legs() const noexcept { return legs_; }
+    bool moves() const noexcept;
+    double speed() const noexcept { return speed_; }  ///< The highest, in texels a step: about.
+
+    /// The smallest box with all places of the steps [from, until), which are fewer than a round or all: both
+    /// corners are in it.
+    struct Box {
+        MotionPoint least, most;
+    };
+    Box box(Step from, Step until) const noexcept;
+    Box box() const noexcept { return box_; }  ///< Of all steps.
 
   private:
     std::vector<Leg> legs_;
     std::vector<std::int64_t> begins_;  ///< Of each leg in the round; and the round's length.
     Step first_;
+    Box box_;
+    double speed_ = 0;
+};
+
+/// Places side by side: (first.x + i · spacing, first.y), i from 0 to count − 1.
+struct MotionRow {
+    MotionPoint first;
+    std::int64_t spacing = 1;  ///< At least 1.
+    std::int32_t count = 0;    ///< (count − 1) · spacing is below 2^40.
 };
 
 /// Frames by distance to the nearest target ("triggered by the distance to the two balls", figure 21 a): at
@@ -67,17 +87,44 @@ class TargetDistance {
         std::int32_t frame = 0;
         Validity validity{};
     };
-    Answer shown_at(MotionPoint cell, Step step) const noexcept;
+    Answer shown_at(MotionPoint cell, Step step) const noexcept { return shown_at(cell, step, {}); }
+    /// The same, of changes that lie inside `within`, which holds at `step`: of others it knows nothing.
+    Answer shown_at(MotionPoint cell, Step step, const Validity& within) const noexcept;
+
+    /// frames[i] = frame_at(place i, step). `validity`, if given, holds at `step` and is narrowed to the
+    /// steps in which none of these frames changes. Where no target ever comes near this takes no time.
+    void shown_along(const MotionRow& row, Step step, std::int32_t* frames, Validity* validity) const;
+
+    /// Whether any target may ever be near any place of a box, whose corners are in it: no is certain.
+    bool ever_near(MotionPoint least, MotionPoint most) const noexcept;
+    std::int64_t reach() const noexcept {
+        return reach_.empty() ? -1 : reach_.front();
+    }  ///< Beyond: frame 0.
+    std::span<const MovingTarget> targets() const noexcept { return targets_; }
 
   private:
     /// The frame along a walk, `moved` steps (0 to walk.steps) after its beginning.
     std::int32_t frame_on(const MovingTarget::Walk& walk, MotionPoint cell,
                           std::int64_t moved) const noexcept;
-    Step next_change(const MovingTarget& target, MotionPoint cell, Step step) const noexcept;
-    Step last_change(const MovingTarget& target, MotionPoint cell, Step step) const noexcept;
+    /// Where a target's own frame changes next; never, if not before `limit`.
+    Step next_change(const MovingTarget& target, MotionPoint cell, Step step, Step limit) const noexcept;
+    /// Where it changed last; always, if not after `limit`.
+    Step last_change(const MovingTarget& target, MotionPoint cell, Step step, Step limit) const noexcept;
+    bool ever_near(const MovingTarget& target, MotionPoint cell) const noexcept;
+    bool ever_near(const MovingTarget& target, MotionPoint least, MotionPoint most) const noexcept;
+    void frames_of(const MovingTarget& target, const MotionRow& row, Step step,
+                   std::span<std::int32_t> frames) const noexcept;
+    void narrow(const MovingTarget& target, const MotionRow& row, Step step,
+                std::span<const std::int32_t> frames, Validity& validity) const noexcept;
 
     std::vector<std::int64_t> reach_;  ///< Frame i + 1 is shown at distances up to reach_[i].
     std::vector<MovingTarget> targets_;
+    std::int64_t round_ = 1;  ///< Of the targets that move.
+};
+
+/// What the animations of a scene see of its targets: one law each.
+struct TargetDistances {
+    std::vector<TargetDistance> laws;
 };
 
 }  // namespace tessera

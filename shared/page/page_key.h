@@ -49,6 +49,8 @@ struct Extent {
     bool operator==(const Extent&) const = default;
 };
 
+struct TargetDistances;
+
 /// A rectangle of texels of one level. `x`, `y`: its top-left texel on the infinite lattice, may be negative.
 struct TexelRegion {
     std::uint8_t level = 0;
@@ -58,7 +60,9 @@ struct TexelRegion {
     std::int32_t height = 0;
     std::int64_t slice =
         0;  ///< Of a texture with a third dimension, in texels of level 0: levels filter x and y only.
-    std::int64_t step = 0;  ///< Of the animation clock.
+    std::int64_t step = 0;       ///< Of the animation clock.
+    std::int32_t parameter = 0;  ///< For animations that a request drives: 65536ths, 0 to 65535.
+    const TargetDistances* targets = nullptr;  ///< What animations look at; null: nothing is near.
     bool operator==(const TexelRegion&) const = default;
 };
 

@@ -277,6 +277,17 @@ std::vector<Sprite> PositioningMap::meeting_at(const TexelBox& box, Step step) c
     return met;
 }
 
+std::vector<Sprite> PositioningMap::some_meeting(const TexelBox& box, std::size_t most) const {
+    std::vector<Sprite> met;
+    if (most == 0) return met;
+    visit_meeting(roots_, box, [&](const Sprite& sprite) {
+        met.push_back(sprite);
+        return met.size() < most;
+    });
+    std::sort(met.begin(), met.end(), drawn_before);
+    return met;
+}
+
 bool PositioningMap::any_meets(const TexelBox& box) const {
     bool any = false;
     visit_meeting(roots_, box, [&](const Sprite&) { return !(any = true); });

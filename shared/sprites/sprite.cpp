@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <string>
 
+#include "shared/motion/cycle.h"
+
 namespace tessera {
 
 namespace {
@@ -116,7 +118,7 @@ Validity stay_on(const Sprite& sprite, Step step) noexcept {
 }  // namespace
 
 bool same_sprite(const Sprite& a, const Sprite& b) noexcept {
-    static constexpr SpriteLife ordinary;
+    static const SpriteLife ordinary;
     return a.id == b.id && a.x == b.x && a.y == b.y && a.pattern == b.pattern && a.order == b.order &&
            a.scale == b.scale && a.turn == b.turn && a.side_texels == b.side_texels &&
            (a.life ? *a.life : ordinary) == (b.life ? *b.life : ordinary);
@@ -130,12 +132,20 @@ SpritePosition position_at(const Sprite& sprite, Step step) noexcept {
             along(sprite.y, path.to_y, place.at, path.steps)};
 }
 
+std::int32_t pattern_at(const Sprite& sprite, Step step) noexcept {
+    if (!sprite.life || !sprite.life->frames) return sprite.pattern;
+    const SpriteFrames& frames = *sprite.life->frames;
+    return frames
+        .patterns[static_cast<std::size_t>(shown_at(frames.line, {.phase = sprite.life->phase}, step).frame)];
+}
+
 Validity stay_of(const Sprite& sprite, Step step) noexcept {
     if (!sprite.life) return {};
     const SpriteLife& life = *sprite.life;
     if (step < life.first_step) return {always, life.first_step};
     if (step >= life.end_step) return {life.end_step, never};
     Validity stay = life.moves ? stay_on(sprite, step) : Validity{};
+    if (life.frames) stay.meet(shown_at(life.frames->line, {.phase = life.phase}, step).validity);
     stay.meet({life.first_step, life.end_step});
     return stay;
 }

@@ -2,7 +2,9 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
+#include "shared/motion/time_line.h"
 #include "shared/motion/validity.h"
 #include "shared/page/texel_box.h"
 #include "shared/result/result.h"
@@ -30,12 +32,21 @@ struct SpritePath {
     bool operator==(const SpritePath&) const = default;
 };
 
+/// Patterns one after the other, again and again: one of a scene's animations, shared by its sprites.
+struct SpriteFrames {
+    std::vector<std::int32_t> patterns;
+    TimeLine line;
+};
+
 /// What only some sprites have; shared by copies of a sprite.
 struct SpriteLife {
     Step first_step = always;  ///< There from this step on …
     Step end_step = never;     ///< … and before this one.
     SpritePath path;
-    bool moves = false;  ///< Whether there is a path.
+    bool moves = false;                            ///< Whether there is a path.
+    std::shared_ptr<const SpriteFrames> frames{};  ///< Null: it shows its pattern.
+    std::uint32_t animation = 0;                   ///< The index of its frames in the scene.
+    std::int64_t phase = 0;                        ///< Steps that it is ahead.
     bool operator==(const SpriteLife&) const = default;
 };
 
@@ -71,8 +82,11 @@ inline bool there_at(const Sprite& sprite, Step step) noexcept {
     return !sprite.life || (sprite.life->first_step <= step && step < sprite.life->end_step);
 }
 
-/// The steps around `step` in which the sprite is in one place, or is not there: at `until` it moves, appears
-/// or disappears. Found from the path's law.
+/// What it shows at a step, whether it is there or not.
+std::int32_t pattern_at(const Sprite& sprite, Step step) noexcept;
+
+/// The steps around `step` in which the sprite is in one place and shows one frame, or is not there: at
+/// `until` it moves, changes, appears or disappears. Found from the laws.
 Validity stay_of(const Sprite& sprite, Step step) noexcept;
 
 /// The texels that it may colour at a step; empty when it is not there.

@@ -5,6 +5,8 @@
 
 #include "proto/sprite.pb.h"
 
+#include "shared/page/page_key.h"
+
 namespace tessera {
 
 namespace {
@@ -45,6 +47,28 @@ Result<SpritePath> path_of(const proto::SpritePath& message) {
 
 }  // namespace
 
+Result<std::shared_ptr<const SpriteFrames>> sprite_frames_of(const proto::SpriteAnimation& message,
+                                                             std::int32_t patterns) {
+    constexpr int max_frames = 4096;
+    if (message.frames().empty() || message.frames_size() > max_frames)
+        return out_of_range("frames", "are " + std::to_string(message.frames_size()) + "; 1 to 4096");
+    std::vector<std::int32_t> shown;
+    std::vector<std::uint32_t> steps;
+    for (int i = 0; i < message.frames_size(); ++i) {
+        const proto::SpriteAnimation::Frame& frame = message.frames(i);
+        const std::string field = "frames[" + std::to_string(i) + "]";
+        if (frame.pattern() >= static_cast<std::uint32_t>(patterns))
+            return out_of_range((field + ".pattern").c_str(), "is " + std::to_string(frame.pattern()) +
+                                                                  "; the set has " +
+                                                                  std::to_string(patterns) + ", from 0 on");
+        if (frame.has_steps() && frame.steps() == 0)
+            return out_of_range((field + ".steps").c_str(), "is 0; at least 1, or leave the frame out");
+        shown.push_back(static_cast<std::int32_t>(frame.pattern()));
+        steps.push_back(frame.has_steps() ? frame.steps() : 1);
+    }
+    return std::make_shared<const SpriteFrames>(SpriteFrames{std::move(shown), TimeLine{steps}});
+}
+
 Result<Sprite> sprite_of(const proto::SpritePlacement& message, const SpritePatterns& patterns) {
     Sprite sprite;
     sprite.id = message.id();
@@ -61,8 +85,19 @@ Result<Sprite> sprite_of(const proto::SpritePlacement& message, const SpritePatt
     if (!(message.turn() >= 0 && message.turn() <= 1)) return out_of_range("turn", "is from 0 to 1");
     sprite.turn = static_cast<std::uint16_t>(static_cast<std::uint32_t>(message.turn() * 65536 + 0.5));
     sprite.order = message.order();
-    if (message.has_first_step() || message.has_end_step() || message.has_path()) {
+    if (message.phase() < -max_step || message.phase() > max_step)
+        return out_of_range("phase", "is from -2^62 to 2^62");
+    if (message.has_first_step() || message.has_end_step() || message.has_path() || message.has_animation()) {
         SpriteLife life;
+        if (message.has_animation()) {
+            if (message.animation() >= patterns.animations.size())
+                return out_of_range("animation",
+                                    "is " + std::to_string(message.animation()) + "; the scene has " +
+                                        std::to_string(patterns.animations.size()) + ", from 0 on");
+            life.animation = message.animation();
+            life.frames = patterns.animations[life.animation];
+            life.phase = message.phase();
+        }
         if (message.has_first_step()) life.first_step = message.first_step();
         if (message.has_end_step()) life.end_step = message.end_step();
         if (message.has_path()) {
@@ -91,6 +126,10 @@ void write_sprite(const Sprite& sprite, proto::SpritePlacement& message) {
     const SpriteLife& life = *sprite.life;
     if (life.first_step != always) message.set_first_step(life.first_step);
     if (life.end_step != never) message.set_end_step(life.end_step);
+    if (life.frames) {
+        message.set_animation(life.animation);
+        message.set_phase(life.phase);
+    }
     if (!life.moves) return;
     proto::SpritePath& path = *message.mutable_path();
     path.set_to_x(to_texels(life.path.to_x));

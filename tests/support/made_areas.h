@@ -92,7 +92,7 @@ inline StoredMap made_map(std::int32_t width, std::int32_t height, std::int32_t 
                           int cells_log2, std::int64_t x = 0, std::int64_t y = 0) {
     StoredMap map{width, height, {}, edge, cells_log2, x << cells_log2, y << cells_log2};
     for (std::int32_t i = 0; i < width * height; ++i)
-        map.values.push_back(
+        map.values.own().push_back(
             static_cast<std::int32_t>(hash(5, stream("map"), i, 0) % static_cast<unsigned>(states)));
     return map;
 }

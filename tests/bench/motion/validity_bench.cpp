@@ -27,7 +27,7 @@ class MadeFiles final : public BlockFiles {
     Result<StoredMap> read_map(const std::string&, const std::string&) override {
         StoredMap map{1024, 1024, {}, StoredMap::Edge::wrap, 0, 0, 0};
         for (std::int64_t i = 0; i < 1024 * 1024; ++i)
-            map.values.push_back(hash(3, stream("map"), i, 0) % 4 == 0 ? 20 : 5000);
+            map.values.own().push_back(hash(3, stream("map"), i, 0) % 4 == 0 ? 20 : 5000);
         return map;
     }
     Result<std::shared_ptr<const Texture>> read_exchange(const std::string&, const proto::Block&) override {

@@ -18,7 +18,7 @@ class MadeFiles final : public BlockFiles {
     Result<StoredMap> read_map(const std::string&, const std::string&) override {
         StoredMap map{7, 5, {}, StoredMap::Edge::wrap, 0, 0, 0};
         for (std::int64_t i = 0; i < 7 * 5; ++i)
-            map.values.push_back(static_cast<std::int32_t>(hash(3, stream("map"), i, 0) % 2));
+            map.values.own().push_back(static_cast<std::int32_t>(hash(3, stream("map"), i, 0) % 2));
         return map;
     }
     Result<std::shared_ptr<const Texture>> read_exchange(const std::string&, const proto::Block&) override {

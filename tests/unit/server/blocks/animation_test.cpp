@@ -106,7 +106,7 @@ TEST(AnimationShares, AreThoseOfTimeWherePhasesAreEven) {
     const auto plan = animated(R"("phase": {"block": "phase"}, "rest": {"integer": 7})");
     ASSERT_TRUE(plan);
     const CellProgram& program = *reference_of(*plan).program;
-    const Epoch epoch = program.epoch(1'000'000, 0);
+    const Epoch epoch = program.epoch(1'000'000, 0, 0);
     EXPECT_TRUE(epoch.average);
     EXPECT_EQ(epoch.uneven, 0);
     EXPECT_TRUE(epoch.validity.is_static());
@@ -121,9 +121,9 @@ TEST(AnimationShares, AreThoseOfAStepWhereTheyAreNot) {
     const auto plan = animated(R"("phase": {"block": "phase"}, "rest": {"block": "rest"})");
     ASSERT_TRUE(plan);
     const CellProgram& program = *reference_of(*plan).program;
-    EXPECT_TRUE(program.epoch(5, 1).average);
+    EXPECT_TRUE(program.epoch(5, 0, 1).average);
     for (const Step step : {Step{5}, Step{77}, Step{-12}}) {
-        const Epoch epoch = program.epoch(step, 0);
+        const Epoch epoch = program.epoch(step, 0, 0);
         ASSERT_FALSE(epoch.average);
         ASSERT_TRUE(epoch.validity.holds(step));
         const auto shares = table(program.shares_in(epoch, {}));
@@ -143,11 +143,11 @@ TEST(AnimationShares, OfAnEpochAreThoseOfItsSetting) {
         R"("phase": {"block": "phase"}, "rest": {"integer": 7}, "changes": [{"step": 100, "rest": {"integer": 25}}, {"step": 200, "density": "Infinity"}])");
     ASSERT_TRUE(plan) << plan.error().detail;
     const CellProgram& program = *reference_of(*plan).program;
-    EXPECT_EQ(program.epoch(50, 0.01).validity, (Validity{always, 101}));
-    const Epoch passing = program.epoch(103, 0.01);
+    EXPECT_EQ(program.epoch(50, 0, 0.01).validity, (Validity{always, 101}));
+    const Epoch passing = program.epoch(103, 0, 0.01);
     EXPECT_FALSE(passing.average) << "while cells go from one setting to the next";
-    EXPECT_EQ(program.epoch(108, 0.01).validity, (Validity{108, 201}));
-    const Epoch at_rest = program.epoch(5000, 0.01);
+    EXPECT_EQ(program.epoch(108, 0, 0.01).validity, (Validity{108, 201}));
+    const Epoch at_rest = program.epoch(5000, 0, 0.01);
     EXPECT_EQ(at_rest.validity, (Validity{208, never}));
     const auto shares = table(program.shares_in(at_rest, {}));
     EXPECT_NEAR(shares.at(0), 1, 1e-12);

@@ -60,6 +60,14 @@ TEST(PageQuery, HasOneCanonicalForm) {
     EXPECT_EQ(page_query("step=-3&slice=2&gutter=1").value().canonical(), "?gutter=1&slice=2&step=-3");
     EXPECT_EQ(page_query("step=1000000000000000").value().step, 1'000'000'000'000'000);
     EXPECT_EQ(page_query("step=-4611686018427387904").value().step, -max_step);
+    EXPECT_EQ(page_query("parameter=0").value().canonical(), "");
+    EXPECT_EQ(page_query("parameter=0.2500&step=7").value().canonical(), "?step=7&parameter=0.25");
+    EXPECT_EQ(page_query("parameter=1").value().parameter, 65536);
+    for (const std::int32_t parameter : {1, 2, 21845, 32768, 65535}) {
+        PageQuery query;
+        query.parameter = parameter;
+        EXPECT_EQ(page_query(query.canonical().substr(1)).value().parameter, parameter);
+    }
 }
 
 TEST(PageQuery, RefusesWhatItDoesNotKnow) {
@@ -92,6 +100,14 @@ TEST(PageQuery, RefusesWhatItDoesNotKnow) {
                               "step=4611686018427387905",
                               "step=-9223372036854775809",
                               "step=1&step=1",
+                              "parameter=",
+                              "parameter=1.5",
+                              "parameter=1.0001",
+                              "parameter=-0.5",
+                              "parameter=.5",
+                              "parameter=0.",
+                              "parameter=1e-3",
+                              "parameter=0.5&parameter=0.5",
                               "max_error=",
                               "max_error=-1",
                               "max_error=1e-3",

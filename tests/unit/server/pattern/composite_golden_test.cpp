@@ -51,7 +51,7 @@ TEST(Composites, GoldenBits) {
     EXPECT_EQ(digest_of(filled(4, true), turned(false, false), LayersPlan{{0, 1}}), 13443981757783944062u);
     auto map = std::make_shared<StoredMap>();
     *map = {.width = 9, .height = 5, .values = {}, .edge = StoredMap::Edge::wrap, .cells_log2 = 2};
-    for (int i = 0; i < 45; ++i) map->values.push_back(i * i % 7 % 3);
+    for (int i = 0; i < 45; ++i) map->values.own().push_back(i * i % 7 % 3);
     EXPECT_EQ(digest_of(filled(4, true), filled(5, false),
                         GivenPlan{make_constant_texture({80, 90, 255, 255})}, PixelMapPlan{map, {0, 1, 2}}),
               9514456529239632417u);

@@ -57,6 +57,10 @@ TEST_F(SceneFolders, TheFingerprintCoversSceneFileAndAssetsAndNothingElse) {
     }
     EXPECT_EQ(prints[0], prints[1]) << "the folder's name and times do not count";
     EXPECT_NE(prints[0], prints[2]) << "another asset, other pages";
+    fs::create_directories(folder_.path / "scene0" / ".edits" / "scene0");
+    std::ofstream{folder_.path / "scene0" / ".edits" / "scene0" / "journal.db"} << "edits";
+    EXPECT_EQ((*load_scene(folder_.path / "scene0"))->fingerprint, prints[0])
+        << "its journal is not the scene";
     const fs::path changed = scene("scene0", R"({"content_exchange": {"asset": "asset", "seed": 5}})");
     EXPECT_NE((*load_scene(changed))->fingerprint, prints[0]);
 }

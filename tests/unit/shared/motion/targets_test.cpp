@@ -1,6 +1,7 @@
 #include "shared/motion/targets.h"
 
 #include <array>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -56,6 +57,70 @@ TEST(TargetDistance, OutOfReachIsStatic) {
     EXPECT_TRUE(distance.shown_at({200, 1000}, 20).validity.is_static());
     EXPECT_TRUE(
         distance.shown_at({std::int64_t{1} << 40, -(std::int64_t{1} << 40)}, 20).validity.is_static());
+}
+
+/// A target that waits, walks aslant and comes back; and one that stands.
+std::vector<MovingTarget> some_targets() {
+    const std::array<MovingTarget::Leg, 4> legs{
+        {{{0, 0}, 60}, {{0, 0}, 90}, {{700, 310}, 70}, {{-200, 500}, 80}}};
+    const std::array<MovingTarget::Leg, 1> stands{{{{400, 400}, 1}}};
+    return {{legs, 5}, {stands, 0}};
+}
+
+TEST(TargetDistance, AlongARowIsWhatEachPlaceShows) {
+    const TimeLine frames{std::array<std::uint32_t, 5>{3, 1, 2, 1, 4}};
+    const auto targets = some_targets();
+    const TargetDistance law{frames, 30, 260, targets};
+    std::vector<std::int32_t> shown(40);
+    int seen = 0;
+    for (Step step = -400; step < 400; step += 7)
+        for (std::int64_t y = -300; y < 800; y += 137) {
+            const MotionRow row{{-350, y}, 32, 40};
+            Validity along, each;
+            law.shown_along(row, step, shown.data(), &along);
+            for (std::int32_t i = 0; i < row.count; ++i) {
+                const auto one = law.shown_at({row.first.x + i * row.spacing, y}, step);
+                ASSERT_EQ(shown[static_cast<std::size_t>(i)], one.frame) << step << ", " << y << ", " << i;
+                each.meet(one.validity);
+                seen += one.frame;
+            }
+            ASSERT_EQ(along, each) << step << ", " << y;
+        }
+    EXPECT_GT(seen, 1000);
+}
+
+TEST(TargetDistance, LooksNoFurtherThanItIsAsked) {
+    const auto targets = some_targets();
+    const TargetDistance law{line, 0, 200, targets};
+    for (Step step = 0; step < 300; ++step)
+        for (const Step reach : {1, 5, 60}) {
+            const Validity within{step - reach, step + reach};
+            const MotionPoint cell{300, 200};
+            Validity whole = law.shown_at(cell, step).validity,
+                     part = law.shown_at(cell, step, within).validity;
+            whole.meet(within);
+            part.meet(within);
+            ASSERT_EQ(whole, part) << step << ", " << reach;
+        }
+}
+
+TEST(MovingTarget, StaysInTheBoxOfItsSteps) {
+    for (const MovingTarget& target : some_targets())
+        for (Step from = -100; from < 500; from += 13)
+            for (const Step steps : {1, 2, 40, 150, 1000}) {
+                const auto box = target.box(from, from + steps);
+                bool left = false, right = false;
+                for (Step step = from; step < from + steps; ++step) {
+                    const auto place = target.at(step);
+                    ASSERT_LE(box.least.x, place.x);
+                    ASSERT_GE(box.most.x, place.x + (place.x_rest > 0));
+                    ASSERT_LE(box.least.y, place.y);
+                    ASSERT_GE(box.most.y, place.y + (place.y_rest > 0));
+                    left |= box.least.x == place.x;
+                    right |= box.most.x == place.x + (place.x_rest > 0);
+                }
+                ASSERT_TRUE(left && right) << "no larger than need be";
+            }
 }
 
 }  // namespace
