@@ -70,9 +70,7 @@ Session::Session(PageSocket socket, SessionContext& context)
       connection_{this, [&connections = context.metrics.connections](void*) { connections.Decrement(); }},
       draining_{context.site.draining} {}
 
-Session::~Session() {
-    context_.sessions.erase(place_);
-}
+Session::~Session() { context_.sessions.erase(place_); }
 
 Task<void> Session::run(std::shared_ptr<Session> self) {
     boost::system::error_code ignored;
@@ -199,7 +197,8 @@ Task<bool> Session::answer_request(std::size_t head_bytes) {
 Task<bool> Session::open_stream(const PendingStream& pending, const RequestHead& request,
                                 std::size_t head_bytes) {
     std::string why;
-    if (input_.size() != head_bytes) why = "a client waits for the answer to its upgrade before it sends more";
+    if (input_.size() != head_bytes)
+        why = "a client waits for the answer to its upgrade before it sends more";
     std::shared_ptr<void> place;
     if (why.empty() && !(place = context_.streams->admit())) why = "too many streams; come back in a second";
     if (!why.empty()) {

@@ -79,8 +79,7 @@ class Session : public std::enable_shared_from_this<Session> {
     Task<bool> wait_for_edit(PendingEdit pending, const RequestHead& request, std::size_t head_bytes);
     Task<bool> wait_for_samples(PendingSample pending, const RequestHead& request, std::size_t head_bytes);
     Task<bool> wait_for_page(PendingPage pending, const RequestHead& request, bool keep_alive);
-    Task<bool> open_stream(const PendingStream& pending, const RequestHead& request,
-                           std::size_t head_bytes);
+    Task<bool> open_stream(const PendingStream& pending, const RequestHead& request, std::size_t head_bytes);
     Task<void> client_leaves();
     Task<bool> send(const Answer& answer, bool with_body, bool keep_alive);
     Task<void> linger();
@@ -90,12 +89,12 @@ class Session : public std::enable_shared_from_this<Session> {
     SessionContext& context_;
     std::list<Session*>::iterator place_;
     std::shared_ptr<void> connection_;  ///< Counts it until it ends, here or as a stream.
-    std::string input_;   ///< Read and not yet answered; at most limits.head_bytes.
-    std::string output_;  ///< The header being sent.
+    std::string input_;                 ///< Read and not yet answered; at most limits.head_bytes.
+    std::string output_;                ///< The header being sent.
     Clock::time_point deadline_ = Clock::time_point::max();
-    bool expired_ = false;   ///< The deadline ended the operation that was waiting.
-    bool idle_ = false;      ///< Waits for the first byte of a request.
-    bool draining_ = false;  ///< The answer under way is the last.
+    bool expired_ = false;    ///< The deadline ended the operation that was waiting.
+    bool idle_ = false;       ///< Waits for the first byte of a request.
+    bool draining_ = false;   ///< The answer under way is the last.
     bool is_stream_ = false;  ///< The socket is somebody else's now.
 };
 

@@ -15,10 +15,9 @@ constexpr const char* protocol = "tessera.stream.1";
 
 /// 16 bytes in base64 (RFC 6455, 4.2.1).
 bool is_key(std::string_view text) {
-    return text.size() == 24 && text.ends_with("==") &&
-           std::all_of(text.begin(), text.end() - 2, [](char c) {
-               return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '+' ||
-                      c == '/';
+    return text.size() == 24 && text.ends_with("==") && std::all_of(text.begin(), text.end() - 2, [](char c) {
+               return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                      c == '+' || c == '/';
            });
 }
 

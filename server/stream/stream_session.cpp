@@ -36,7 +36,8 @@ void StreamSession::begin(const StreamSocket::Upgrade& upgrade) {
 
 void StreamSession::opened() { socket_.read_on(); }
 
-void StreamSession::ended(std::string_view why) {
+void StreamSession::ended(std::string_view why, bool cut) {
+    if (cut) service_.metrics.streams_cut.Increment();
     spdlog::debug("stream {} of {} ended: {}", session_, scene_id_, why);
     pages_.clear();
     if (!hub_) return;

@@ -54,7 +54,7 @@ class StreamSession final : public StreamEnd, public std::enable_shared_from_thi
     void opened() override;
     void received(std::string_view bytes) override;
     void sent() override;
-    void ended(std::string_view why) override;
+    void ended(std::string_view why, bool cut) override;
 
     // What the client says
     void take(proto::ClientMessage& message);

@@ -55,7 +55,7 @@ void StreamSocket::accept(const Upgrade& upgrade, const std::shared_ptr<StreamEn
             second_begun_ = now;
             control_frames_ = 0;
         }
-        if (++control_frames_ > options_.control_frames) abort();
+        if (++control_frames_ > options_.control_frames) cut();
     });
     socket_.async_accept(upgrade, [this, end](const boost::system::error_code& failure) {
         if (failure) return this->end("the handshake failed");
@@ -78,6 +78,7 @@ void StreamSocket::read_on() {
                            }
                            heard();
                            if (closing_) return read_on();  // nothing but the end matters any more
+                           cut_ = cut_ || socket_.got_text();
                            if (socket_.got_text())
                                return close(websocket::close_code::unknown_data, "messages are binary");
                            const auto bytes = input_.cdata();
@@ -125,7 +126,12 @@ void StreamSocket::abort() {
 void StreamSocket::end(std::string_view why) {
     if (std::exchange(ended_, true)) return;
     abort();
-    if (const auto end = end_.lock()) end->ended(why);
+    if (const auto end = end_.lock()) end->ended(why, cut_);
+}
+
+void StreamSocket::cut() {
+    cut_ = true;
+    abort();
 }
 
 void StreamSocket::heard() {
@@ -139,16 +145,16 @@ void StreamSocket::check(Clock::time_point now) {
     if (!open_) return;
     // Beast closes by itself what breaks the rules; it waits for the client's answer without a limit
     if (!closing_ && !socket_.is_open()) {
-        closing_ = true;
+        closing_ = cut_ = true;
         close_by_ = now + options_.close_time;
         return;
     }
     const auto last_write = std::max(write_begun_, socket_.next_layer().last_write);
-    if (writing_ && now - last_write > options_.write_time) return abort();
+    if (writing_ && now - last_write > options_.write_time) return cut();
     if (closing_) return;
     if (pinged_) {
         // Behind much data on a slow way a ping takes its time
-        if (now - std::max(pinged_at_, last_write) > options_.pong_time) abort();
+        if (now - std::max(pinged_at_, last_write) > options_.pong_time) cut();
     } else if (now - heard_at_ > options_.ping_time && !pinging_) {
         pinging_ = pinged_ = true;
         pinged_at_ = now;

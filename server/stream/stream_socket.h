@@ -26,8 +26,9 @@ class StreamEnd {
     /// A message; the socket reads on when read_on() is called.
     virtual void received(std::string_view message) = 0;
     virtual void sent() = 0;  ///< What was given to send() has left, and the next may follow.
-    /// The connection is gone, or is no use any more. Called once, with the reason for the log.
-    virtual void ended(std::string_view why) = 0;
+    /// The connection is gone, or is no use any more. Called once, with the reason for the log; `cut`: for
+    /// what the client did or did not do.
+    virtual void ended(std::string_view why, bool cut) = 0;
 };
 
 /// A WebSocket that carries binary messages, one at a time each way, and ends when its client does not read,
@@ -59,6 +60,7 @@ class StreamSocket {
 
   private:
     void end(std::string_view why);
+    void cut();
     void heard();
 
     boost::beast::websocket::stream<WatchedSocket, false> socket_;
@@ -68,7 +70,7 @@ class StreamSocket {
     std::string head_;
     std::span<const std::uint8_t> body_;
     std::shared_ptr<const void> owner_;
-    bool open_ = false, writing_ = false, pinging_ = false, closing_ = false, ended_ = false;
+    bool open_ = false, writing_ = false, pinging_ = false, closing_ = false, ended_ = false, cut_ = false;
     bool pinged_ = false;  ///< And not heard of since.
     std::size_t control_frames_ = 0;
     Clock::time_point second_begun_{}, heard_at_{}, pinged_at_{}, write_begun_{}, close_by_{};

@@ -13,6 +13,26 @@
 
 namespace tessera::test {
 
+/// Grey that changes every ten steps.
+class SlowlyMovingTexture final : public Texture {
+  public:
+    using Texture::evaluate;
+    Result<Evaluation> evaluate(const TexelRegion& region, const Budget&, LinearImage& out) const override {
+        const std::int64_t ten = region.step >= 0 ? region.step / 10 : -((9 - region.step) / 10);
+        out = LinearImage{region.width, region.height};
+        for (std::size_t i = 0; i < out.values.size(); ++i)
+            out.values[i] =
+                i % 4 == 3 ? 1.0F : static_cast<float>((i / 4 + static_cast<std::size_t>(ten)) % 5) / 5;
+        Evaluation did;
+        did.method = "moving";
+        did.validity = {ten * 10, ten * 10 + 10};
+        return did;
+    }
+    std::string_view kind() const noexcept override { return "moving"; }
+    std::string description() const override { return "moving"; }
+    std::size_t memory_bytes() const noexcept override { return 0; }
+};
+
 inline ServerOptions stream_options() {
     ServerOptions options;
     options.port = 0;
@@ -22,14 +42,15 @@ inline ServerOptions stream_options() {
 }
 
 /// A server on a free port of 127.0.0.1: `made`, which takes edits that last as long as it does, `gated`
-/// (its evaluations wait for the test) and `grey`, which is one colour.
+/// (its evaluations wait for the test), `grey`, which is one colour, and `moving`.
 struct LiveServer {
     explicit LiveServer(const ServerOptions& options = stream_options())
         : server{Server::start(options).value()} {
         publish();
     }
 
-    void publish(const std::string& fingerprint = "0123456789abcdef", bool with_made = true) {
+    void publish(const std::string& fingerprint = "0123456789abcdef", bool with_made = true,
+                 std::shared_ptr<const Access> access = std::make_shared<const Access>()) {
         auto catalog = std::make_shared<Catalog>();
         const auto add = [&](ScenePtr scene) { catalog->scenes.emplace(scene->id, scene); };
         auto made = std::make_shared<Scene>(*made_scene());
@@ -38,9 +59,14 @@ struct LiveServer {
         if (with_made) add(made);
         add(make_scene("gated", gated));
         add(make_scene("grey", make_constant_texture({100, 150, 200, 255}), "9999999999999999"));
+        auto moving = std::make_shared<Scene>(*make_scene("moving", std::make_shared<SlowlyMovingTexture>()));
+        moving->animated = true;
+        moving->steps_per_second = 4;
+        moving->loop_steps = 100;
+        add(moving);
         SilentProgress progress;
         server->edits().adopt(*catalog, progress);
-        server->publish(std::move(catalog), WebFiles::plain());
+        server->publish(std::move(catalog), WebFiles::plain(), std::move(access));
     }
 
     StreamClient stream(const std::string& scene = "made") const {

@@ -26,7 +26,7 @@ class StreamClient {
     using Case = proto::ServerMessage::MessageCase;
 
     explicit StreamClient(std::uint16_t port, const std::string& scene = "sprites",
-                          const std::string& origin = {}, int receive_buffer = 0)
+                          const std::string& proxied_for = {}, int receive_buffer = 0)
         : socket_{io_} {
         namespace websocket = boost::beast::websocket;
         auto& tcp = socket_.next_layer();
@@ -37,7 +37,7 @@ class StreamClient {
         tcp.set_option(boost::asio::ip::tcp::no_delay{true});
         socket_.set_option(websocket::stream_base::decorator([&](websocket::request_type& request) {
             request.set(boost::beast::http::field::sec_websocket_protocol, "tessera.stream.1");
-            if (!origin.empty()) request.set(boost::beast::http::field::origin, origin);
+            if (!proxied_for.empty()) request.set("X-Forwarded-For", proxied_for);
         }));
         socket_.binary(true);
         socket_.auto_fragment(false);

@@ -5,7 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "server/access/token.h"
 #include "tests/end_to_end/stream/live_server.h"
+#include "tests/support/temporary_folder.h"
 
 namespace tessera::test {
 namespace {
@@ -364,6 +366,98 @@ TEST(Stream, TellsThatTheSceneWasReplacedAndThatItIsGone) {
     ASSERT_TRUE(goodbye);
     EXPECT_EQ(goodbye->goodbye().why(), proto::Goodbye::scene_gone);
     EXPECT_FALSE(client.receive());
+}
+
+TEST(Stream, PagesOfASceneThatMovesSayInWhichStepsTheyAreRight) {
+    LiveServer live;
+    StreamClient client = live.stream("moving");
+    const auto hello = client.hello();
+    ASSERT_TRUE(hello);
+    EXPECT_TRUE(hello->animated());
+    EXPECT_EQ(hello->clock().steps_per_second(), 4);
+    EXPECT_EQ(hello->clock().loop_steps(), 100);
+    EXPECT_TRUE(hello->clock().playing());
+    client.grant(10);
+    const auto page_at = [&](std::int64_t step, const std::string& have) {
+        proto::ClientMessage message;
+        proto::PageAsk& ask = StreamClient::add_ask(message, 1, 0, 0, 0);
+        ask.set_step(step);
+        ask.set_have(have);
+        client.send(message);
+        return client.receive(Case::kPage).value().page();
+    };
+    const proto::PageData first = page_at(13, {});
+    EXPECT_EQ(first.from(), 10);
+    EXPECT_EQ(first.until(), 20);
+    EXPECT_FALSE(first.texels().empty());
+    EXPECT_TRUE(page_at(19, first.tag()).unchanged());
+    const proto::PageData second = page_at(20, first.tag());
+    EXPECT_FALSE(second.unchanged());
+    EXPECT_EQ(second.from(), 20);
+    EXPECT_NE(second.tag(), first.tag());
+    EXPECT_NE(second.texels(), first.texels());
+    EXPECT_EQ(page_at(15, {}).texels(), first.texels());
+}
+
+TEST(Stream, FromElsewhereWhoHoldsATokenMayEdit) {
+    const tests::TemporaryFolder folder;
+    const auto file = folder.path / "tokens";
+    const std::string token = make_token();
+    ASSERT_TRUE(add_token_line(file, token_line("editor", "ada", token, "")));
+    LiveServer live;
+    live.publish("0123456789abcdef", true, std::make_shared<const Access>(Access::load(file).value()));
+
+    StreamClient stranger{live.server->port(), "made", "192.0.2.7"};
+    const auto hello = stranger.hello();
+    ASSERT_TRUE(hello);
+    EXPECT_TRUE(hello->takes_edits());
+    EXPECT_FALSE(hello->may_edit());
+    EXPECT_FALSE(hello->why_not().empty());
+    stranger.send(message_of(placing(1, 100, 100)));
+    const auto refused = stranger.receive(Case::kEditRefused);
+    ASSERT_TRUE(refused);
+    EXPECT_EQ(refused->edit_refused().why(), proto::EditRefused::forbidden);
+    stranger.grant(1);
+    stranger.ask(1, 0, 0, 0);
+    EXPECT_TRUE(stranger.receive(Case::kPage)) << "everybody may look";
+
+    StreamClient ada{live.server->port(), "made", "192.0.2.7"};
+    proto::ClientHello with_token;
+    with_token.set_token(token);
+    const auto allowed = ada.hello(with_token);
+    ASSERT_TRUE(allowed);
+    EXPECT_TRUE(allowed->may_edit()) << allowed->why_not();
+    proto::ClientHello listens;
+    listens.set_wants_edits(true);
+    StreamClient listener = live.stream();
+    ASSERT_TRUE(listener.hello(listens));
+    ada.send(message_of(placing(1, 100, 100)));
+    EXPECT_TRUE(ada.receive(Case::kEditDone));
+    const auto told = listener.receive(Case::kEditDone);
+    ASSERT_TRUE(told);
+    EXPECT_EQ(told->edit_done().author(), "ada");
+    // A token that is taken back edits no more, though the stream is open
+    live.publish();
+    ada.send(message_of(moving(1, 200, 200)));
+    const auto no_more = ada.receive(Case::kEditRefused);
+    ASSERT_TRUE(no_more);
+    EXPECT_EQ(no_more->edit_refused().why(), proto::EditRefused::forbidden);
+}
+
+TEST(Stream, IsSeenByPrometheus) {
+    LiveServer live;
+    StreamClient client = live.stream();
+    ASSERT_TRUE(client.hello());
+    client.grant(2);
+    client.ask(1, 0, 0, 0);
+    ASSERT_TRUE(client.receive(Case::kPage));
+    client.send(message_of(placing(1, 100, 100)));
+    ASSERT_TRUE(client.receive(Case::kEditDone));
+    const std::string metrics = live.http().get("/metrics")->body;
+    for (const char* line :
+         {"tessera_streams 1\n", "tessera_stream_pages_total 1\n", "tessera_stream_edits_total 1\n",
+          "tessera_http_answers_total{status=\"101\"} 1\n", "tessera_http_connections 2\n"})
+        EXPECT_NE(metrics.find(line), std::string::npos) << line;
 }
 
 TEST(Stream, SaysGoodbyeWhenTheServerStops) {
