@@ -62,7 +62,8 @@ Rate rate_of(const Compilation& c, std::size_t block) {
         case Output::number: {
             const CellNode& node = c.node_of(block);
             if (node.constant()) return Rate::scene;
-            return node.grid == no_block ? Rate::step : Rate::cell;
+            const bool looks_around = node.driven && node.driven->looks_at_targets();
+            return node.grid == no_block && !looks_around ? Rate::step : Rate::cell;
         }
         case Output::transform: {
             const TransformNodes& transform = *c.blocks[block].transform;

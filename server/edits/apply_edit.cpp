@@ -57,33 +57,27 @@ Result<void> remove(const proto::SpriteRemoval& message, SpriteBook& book, proto
     return {};
 }
 
-struct NamedChange {
-    const char* name;
-    Result<void> made;
-};
+bool is_of_sprites(const proto::Change& change) {
+    const auto is = change.change_case();
+    return is == proto::Change::kPlaceSprite || is == proto::Change::kMoveSprite ||
+           is == proto::Change::kRemoveSprite;
+}
 
-NamedChange make(const proto::Change& change, const SpritePatterns& patterns, SpriteBook& book,
-                 proto::Change& inverse, std::vector<TexelBox>& dirty) {
+Result<void> make(const proto::Change& change, const SpritePatterns& patterns, SpriteBook& book,
+                  proto::Change& inverse, std::vector<TexelBox>& dirty) {
+    if (patterns.count < 1)
+        return Error{ErrorCode::invalid_input,
+                     "id: the scene has no sprites; give its scene.json \"sprites\""};
     switch (change.change_case()) {
         case proto::Change::kPlaceSprite:
-            return {".place_sprite.", place(change.place_sprite(), patterns, book, inverse, dirty)};
+            return place(change.place_sprite(), patterns, book, inverse, dirty);
         case proto::Change::kMoveSprite:
-            return {".move_sprite.", move(change.move_sprite(), patterns, book, inverse, dirty)};
+            return move(change.move_sprite(), patterns, book, inverse, dirty);
         case proto::Change::kRemoveSprite:
-            return {".remove_sprite.", remove(change.remove_sprite(), book, inverse, dirty)};
-        case proto::Change::kPaintMap:
-        case proto::Change::kSetParameter:
-        case proto::Change::kChangeAnimation:
-        case proto::Change::kSetTarget:
-        case proto::Change::kRemoveTarget:
-        case proto::Change::kSetClock:
-            return {": ",
-                    Error{ErrorCode::invalid_input, "is a kind of change that this scene does not take"}};
-        case proto::Change::CHANGE_NOT_SET:
-            break;
+            return remove(change.remove_sprite(), book, inverse, dirty);
+        default:
+            return {};
     }
-    return {": ", Error{ErrorCode::invalid_input,
-                        "says nothing; give it place_sprite, move_sprite or remove_sprite"}};
 }
 
 /// Whether a message, or one in it, holds fields that we do not know.
@@ -130,22 +124,47 @@ Result<AppliedEdit> apply_edit(const proto::Edit& edit, const SpritePatterns& pa
     AppliedEdit applied;
     auto& inverses = *applied.inverse.mutable_changes();
     for (int i = 0; i < edit.changes_size(); ++i) {
+        const proto::Change& change = edit.changes(i);
+        Result<void> made;
         proto::Change inverse;
-        const NamedChange change = make(edit.changes(i), patterns, book, inverse, applied.dirty);
-        if (change.made) {
+        if (change.change_case() == proto::Change::CHANGE_NOT_SET)
+            made =
+                Error{ErrorCode::invalid_input, "says nothing; give it place_sprite, paint_map or another"};
+        else if (!is_of_sprites(change))
+            continue;
+        else
+            made = make(change, patterns, book, inverse, applied.dirty);
+        if (made) {
             inverses.Add(std::move(inverse));
             continue;
         }
         // None of it, then: what was made is undone, the last first
         proto::Change again;
         std::vector<TexelBox> undone;
-        for (int made = inverses.size(); made-- > 0; again.Clear())
-            make(inverses.Get(made), patterns, book, again, undone);
-        return Error{change.made.error().code,
-                     "changes[" + std::to_string(i) + "]" + change.name + change.made.error().detail};
+        for (int done = inverses.size(); done-- > 0; again.Clear())
+            make(inverses.Get(done), patterns, book, again, undone).value();
+        return Error{made.error().code, name_of_change(i, change) + made.error().detail};
     }
     std::reverse(inverses.begin(), inverses.end());
     return applied;
+}
+
+AppliedEdit joined(AppliedEdit sprites, DocumentEdit document) {
+    for (proto::Change& inverse : document.inverses) *sprites.inverse.add_changes() = std::move(inverse);
+    sprites.dirty.insert(sprites.dirty.end(), document.dirty.begin(), document.dirty.end());
+    sprites.effects = std::move(document.effects);
+    return sprites;
+}
+
+Result<AppliedEdit> apply_edit(const proto::Edit& edit, const SpritePatterns& patterns, SpriteBook& book,
+                               const EditInstant& instant, LiveDocument& document) {
+    LiveDocument next = document;
+    auto of_document = apply_to_document(edit, instant, next);
+    if (!of_document) return of_document.error();
+    auto of_sprites = apply_edit(edit, patterns, book);
+    if (!of_sprites) return of_sprites.error();
+    document = std::move(next);
+    return joined(std::move(*of_sprites), std::move(*of_document));
 }
 
 }  // namespace tessera

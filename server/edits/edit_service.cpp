@@ -1,5 +1,6 @@
 #include "server/edits/edit_service.h"
 
+#include <chrono>
 #include <utility>
 
 #include <spdlog/spdlog.h>
@@ -27,7 +28,7 @@ Result<std::shared_ptr<LiveScene>> EditService::open(const ScenePtr& scene, Prog
 
 void EditService::adopt(Catalog& catalog, Progress& progress) {
     for (const auto& [id, scene] : catalog.scenes) {
-        if (!scene->ground) continue;
+        if (!scene->ground && !scene->document) continue;
         std::shared_ptr<LiveScene> live = find(id);
         if (live) {
             live->rebase(scene);
@@ -57,16 +58,36 @@ void EditService::close() {
     for (const auto& [id, live] : scenes) live->close();
 }
 
-void EditService::edit(std::string_view scene, proto::Edit edit, LiveScene::Handler handler) {
+void EditService::edit(std::string_view scene, proto::Edit edit, LiveScene::Handler then) {
+    const auto arrived = std::chrono::steady_clock::now();
+    LiveScene::Handler handler = [this, arrived, then = std::move(then)](EditOutcome outcome) {
+        metrics_.count(outcome, std::chrono::steady_clock::now() - arrived);
+        then(std::move(outcome));
+    };
     if (const auto live = find(scene)) return live->edit(std::move(edit), std::move(handler));
     const bool in_trouble = [&] {
         const std::lock_guard lock{mutex_};
         return troubles_.contains(scene);
     }();
-    handler(in_trouble ? EditRefusal{EditRefusal::Why::unavailable,
-                                     "the scene's journal cannot be opened; the server's log says why", 0}
-                       : EditRefusal{EditRefusal::Why::wrong,
-                                     "the scene takes no edits; give its scene.json \"sprites\"", 0});
+    handler(in_trouble
+                ? EditRefusal{EditRefusal::Why::unavailable,
+                              "the scene's journal cannot be opened; the server's log says why", 0}
+                : EditRefusal{
+                      EditRefusal::Why::wrong,
+                      "the scene takes no edits; give its scene.json \"sprites\", or its blocks \"editable\"",
+                      0});
+}
+
+void EditService::update_gauges() {
+    const std::lock_guard updating{updating_};
+    std::map<std::string, std::shared_ptr<LiveScene>, std::less<>> scenes;
+    {
+        const std::lock_guard lock{mutex_};
+        scenes = scenes_;
+    }
+    for (const auto& [id, live] : scenes)
+        if (const auto journal = live->journal_status())
+            metrics_.update(id, *journal, live->now()->sprites.size());
 }
 
 std::shared_ptr<LiveScene> EditService::find(std::string_view scene) const {

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "server/edits/edit_metrics.h"
 #include "server/edits/live_scene.h"
 
 namespace tessera {
@@ -17,10 +18,12 @@ struct EditOptions {
     JournalHorizon horizon;
 };
 
-/// The scenes that take edits: all that have sprites. All members may be called from any thread.
+/// The scenes that take edits: all that have something to edit. All members may be called from any thread.
 class EditService {
   public:
-    explicit EditService(EditOptions options) : options_{std::move(options)} {}
+    /// `registry` outlives this.
+    EditService(EditOptions options, prometheus::Registry& registry)
+        : options_{std::move(options)}, metrics_{registry} {}
 
     /// Makes `catalog` show its scenes with their edits: opens the journals of those that are new, and puts
     /// new grounds under those that were there. A scene whose journal cannot be opened is shown as its folder
@@ -39,10 +42,15 @@ class EditService {
     /// Why edits of some scenes are refused, by scene; empty when all is well.
     std::map<std::string, std::string, std::less<>> troubles() const;
 
+    /// Brings what Prometheus learns of the scenes up to date.
+    void update_gauges();
+
   private:
     Result<std::shared_ptr<LiveScene>> open(const ScenePtr& scene, Progress& progress) const;
 
     const EditOptions options_;
+    EditMetrics metrics_;
+    std::mutex updating_;       ///< Held while gauges are updated.
     mutable std::mutex mutex_;  ///< Guards what follows.
     std::map<std::string, std::shared_ptr<LiveScene>, std::less<>> scenes_;
     std::map<std::string, std::string, std::less<>> troubles_;

@@ -7,14 +7,17 @@
 #include <spdlog/spdlog.h>
 
 #include "server/journal/journal_wait.h"
+#include "server/pattern/targeted_texture.h"
 #include "server/sprites/sprite_texture.h"
 #include "shared/math/hash.h"
+#include "shared/wire/target_message.h"
 
 namespace tessera {
 
 namespace {
 
 constexpr std::size_t most_in_commit = 512;
+constexpr std::size_t most_in_group = LiveScene::max_in_group;
 constexpr std::size_t page_revision_bytes = std::size_t{32} << 20;
 
 EditRefusal refusal_of(const Refused& refused, Revision head) {
@@ -49,6 +52,27 @@ std::string fingerprint_with(const std::string& base, const EditId& lineage) {
     return digits;
 }
 
+/// The ground as it was compiled, with the document's targets.
+void take_ground(Scene& scene, const Scene& ground, const LiveDocument& document) {
+    auto texture = ground.ground ? ground.ground : ground.texture;
+    scene.ground_animated = ground.sprite_images ? ground.ground_animated : ground.animated;
+    if (document.message && document.edited) {
+        if (const auto targets = targets_of(document.message->targets()))
+            texture = with_targets(std::move(texture), *targets);
+        scene.ground_animated = ground.clocked || moved_by_targets(*texture);
+    }
+    if (scene.sprite_images)
+        scene.ground = std::move(texture);
+    else
+        scene.texture = std::move(texture);
+    scene.clocked = ground.clocked;
+    scene.parameters = ground.parameters;
+    scene.block_list = ground.block_list;
+    scene.editable_maps = ground.editable_maps;
+    scene.steps_per_second = document.clock.steps_per_second;
+    scene.slices = ground.slices;
+}
+
 Error of_history(const std::string& what) {
     return {ErrorCode::io_failure, "the journal's history cannot be read: " + what};
 }
@@ -59,6 +83,9 @@ LiveScene::LiveScene(ScenePtr base, std::unique_ptr<Journal> journal)
     : id_{base->id},
       base_{std::move(base)},
       book_{base_->sprites},
+      document_{std::make_shared<const LiveDocument>(LiveDocument::of(*base_, now_at()))},
+      ground_{base_},
+      compiled_{document_},
       page_revisions_{page_revision_bytes},
       owned_journal_{std::move(journal)},
       journal_{owned_journal_.get()},
@@ -71,12 +98,16 @@ void LiveScene::close() {
         const std::lock_guard lock{mutex_};
         if (std::exchange(closing_, true)) return;
     }
+    lane_.request_stop();
+    if (lane_.joinable()) lane_.join();
     if (snapshots_.joinable()) snapshots_.join();
     owned_journal_.reset();
     // What had not reached the journal
-    for (Work& work : waiting_)
-        work.handler(EditRefusal{EditRefusal::Why::unavailable, "the server is stopping", head_});
-    waiting_.clear();
+    for (std::deque<Work>* works : {&waiting_, &unprepared_}) {
+        for (Work& work : *works)
+            work.handler(EditRefusal{EditRefusal::Why::unavailable, "the server is stopping", head_});
+        works->clear();
+    }
 }
 
 Result<std::unique_ptr<LiveScene>> LiveScene::open(ScenePtr base, std::unique_ptr<Journal> journal,
@@ -103,6 +134,20 @@ Result<void> LiveScene::recover(Progress& progress) {
         auto revisions = PageRevisions::load(state.page_revisions(), page_revision_bytes);
         if (!revisions) return of_history(revisions.error().detail);
         book_ = SpriteBook{std::move(map)};
+        LiveDocument document = *document_;
+        if (state.has_scene())
+            if (auto restored = document.restore(state.scene()); !restored)
+                spdlog::error(
+                    "scene {}: what edits changed of its blocks does not fit the scene any more, and is "
+                    "shown as its file says: {}",
+                    id_, restored.error().detail);
+        if (state.has_clock()) {
+            document.clock.at = SceneClock::Time{std::chrono::milliseconds{state.clock().at_ms()}};
+            document.clock.step = state.clock().step();
+            document.clock.steps_per_second = state.clock().steps_per_second();
+            document.clock.playing = state.clock().playing();
+        }
+        document_ = std::make_shared<const LiveDocument>(std::move(document));
         page_revisions_ = std::move(*revisions);
         head_ = (*snapshot)->revision;
     }
@@ -125,8 +170,33 @@ Result<void> LiveScene::recover(Progress& progress) {
 
 void LiveScene::rebase(ScenePtr base) {
     const std::lock_guard lock{mutex_};
+    LiveDocument document = LiveDocument::of(*base, now_at());
+    document.clock = document_->clock;
+    if (document_->edited) {
+        const auto restored = document.restore(document_->whole_message());
+        auto ground = restored ? compile(document) : Result<ScenePtr>{restored.error()};
+        if (!ground) {
+            spdlog::error(
+                "scene {}: goes on as it was, since what edits made of it does not fit its new files: {}",
+                id_, ground.error().detail);
+            return;
+        }
+        ground_ = std::move(*ground);
+    } else {
+        ground_ = base;
+    }
     base_ = std::move(base);
+    document_ = compiled_ = std::make_shared<const LiveDocument>(std::move(document));
     publish();
+}
+
+SceneClock::Time LiveScene::now_at() const {
+    return std::chrono::time_point_cast<std::chrono::milliseconds>(std::chrono::system_clock::now());
+}
+
+SceneClock LiveScene::clock() const {
+    const std::lock_guard lock{mutex_};
+    return document_->clock;
 }
 
 void LiveScene::edit(proto::Edit edit, Handler handler) {
@@ -139,7 +209,7 @@ void LiveScene::edit(proto::Edit edit, Handler handler) {
     if (!canonical) return refuse(EditRefusal::Why::wrong, canonical.error().detail, 0);
 
     std::unique_lock lock{mutex_};
-    if (closing_ || waiting_.size() >= max_waiting) {
+    if (closing_ || waiting_.size() + unprepared_.size() >= max_waiting) {
         const auto why = closing_ ? EditRefusal::Why::unavailable : EditRefusal::Why::overloaded;
         const Revision head = head_;
         lock.unlock();
@@ -152,8 +222,20 @@ void LiveScene::edit(proto::Edit edit, Handler handler) {
     if (edit.has_base_revision()) work.append.expected = edit.base_revision();
     work.edit = std::move(edit);
     work.handler = std::move(handler);
+    if (changes_document(work.edit)) {
+        unprepared_.push_back(std::move(work));
+        if (!lane_.joinable()) lane_ = std::jthread{[this](std::stop_token stop) { run_lane(stop); }};
+        lane_wakes_.notify_one();
+        return;
+    }
     waiting_.push_back(std::move(work));
     if (!commits_) commit(std::move(lock));
+}
+
+std::optional<JournalStatus> LiveScene::journal_status() const {
+    const std::lock_guard lock{mutex_};
+    if (closing_) return std::nullopt;
+    return journal_->status();
 }
 
 std::shared_ptr<void> LiveScene::listen(Listener listener) {
@@ -165,7 +247,8 @@ std::shared_ptr<void> LiveScene::listen(Listener listener) {
 }
 
 SpritePatterns LiveScene::patterns() const noexcept {
-    return {base_->sprite_images->count(), base_->sprite_images->side()};
+    if (!base_->sprite_images) return {};
+    return {base_->sprite_images->count(), base_->sprite_images->side(), base_->sprite_images->animations()};
 }
 
 /// Takes what waits, and gives what is possible to the journal.
@@ -173,6 +256,11 @@ void LiveScene::commit(std::unique_lock<std::mutex> lock) {
     commits_ = true;
     std::vector<Append> batch;
     while (!waiting_.empty() && batch.size() < most_in_commit) {
+        if (waiting_.front().group) {
+            if (!batch.empty() && batch.size() + most_in_group > most_in_commit) break;
+            take_group(batch);
+            continue;
+        }
         Work work = std::move(waiting_.front());
         waiting_.pop_front();
         const Revision before = head_ + batch.size();
@@ -185,6 +273,7 @@ void LiveScene::commit(std::unique_lock<std::mutex> lock) {
                                        before};
         } else if (auto applied = apply_edit(work.edit, patterns(), book_)) {
             work.applied = std::move(*applied);
+            work.append.step = document_->clock.read(now_at()).step;
         } else {
             work.outcome = EditRefusal{EditRefusal::Why::wrong, applied.error().detail, before};
         }
@@ -238,6 +327,12 @@ void LiveScene::settle(std::vector<AppendOutcome> outcomes) {
     for (Work& work : committing_)
         changes_.push_back(
             {++head_, work.applied->dirty, std::make_shared<proto::Edit>(std::move(work.edit))});
+    if (in_commit_) {
+        document_ = in_commit_->after;
+        if (in_commit_->ground) ground_ = in_commit_->ground;
+        compiled_ = document_;
+        end_group();
+    }
     finish(std::move(lock));
 }
 
@@ -248,6 +343,7 @@ void LiveScene::take_back() {
             apply_edit(committing_[i].applied->inverse, patterns(), book_).value();
             committing_[i].applied.reset();
         }
+    if (in_commit_) end_group();
 }
 
 void LiveScene::catch_up(std::unique_lock<std::mutex> lock, Revision target) {
@@ -279,7 +375,14 @@ void LiveScene::apply(const Edit& edit) {
     Change change{edit.revision, {}, nullptr};
     if (!message.ParseFromString(edit.bytes)) {
         spdlog::error("scene {}: the journal's edit {} cannot be read", id_, edit.revision);
-    } else if (auto applied = apply_edit(message, patterns(), book_)) {
+        head_ = edit.revision;
+        changes_.push_back(std::move(change));
+        return;
+    }
+    LiveDocument document = *document_;
+    // It was this step then: so the clock goes on over restarts
+    if (document.clock.at < edit.accepted) document.clock = document.clock.sought(edit.accepted, edit.step);
+    if (auto applied = apply_edit(message, patterns(), book_, {edit.accepted, edit.step}, document)) {
         change.dirty = applied->dirty;
         for (Work& work : committing_)
             if (work.append.id == edit.id) work.applied = std::move(*applied);
@@ -288,12 +391,14 @@ void LiveScene::apply(const Edit& edit) {
     } else {
         spdlog::warn("scene {}: edit {} changes nothing: {}", id_, edit.revision, applied.error().detail);
     }
+    document_ = std::make_shared<const LiveDocument>(std::move(document));
     head_ = edit.revision;
     changes_.push_back(std::move(change));
 }
 
-/// now() is what the book says.
+/// now() is what the book and the document say.
 void LiveScene::publish() {
+    compile_document();
     for (const Change& change : changes_)
         for (const TexelBox& box : change.dirty) page_revisions_.mark(box, change.revision);
     auto scene = std::make_shared<Scene>(*base_);
@@ -301,8 +406,11 @@ void LiveScene::publish() {
     scene->fingerprint = fingerprint_with(base_->fingerprint, lineage_);
     scene->page_revisions = page_revisions_;
     scene->sprites = book_.map();
-    scene->animated = base_->ground_animated || book_.map().living() > 0;
-    scene->texture = make_sprite_texture(base_->ground, base_->sprite_images, book_.map());
+    scene->clock = document_->clock;
+    take_ground(*scene, *ground_, *document_);
+    scene->animated = scene->ground_animated || book_.map().living() > 0;
+    if (scene->sprite_images)
+        scene->texture = make_sprite_texture(scene->ground, scene->sprite_images, book_.map());
     now_.store(std::move(scene));
 }
 
@@ -324,6 +432,7 @@ void LiveScene::finish(std::unique_lock<std::mutex> lock) {
     for (Work& work : done) {
         if (auto* answer = std::get_if<proto::EditAnswer>(&*work.outcome); answer && work.applied) {
             *answer->mutable_inverse() = std::move(work.applied->inverse);
+            for (proto::Effect& effect : work.applied->effects) *answer->add_effects() = std::move(effect);
             for (const TexelBox& box : work.applied->dirty) {
                 proto::DirtyBox& dirty = *answer->add_dirty();
                 dirty.set_x0(box.x0);
@@ -358,23 +467,45 @@ void LiveScene::ask_for_retries(std::vector<Work> refused) {
     }
 }
 
+proto::LiveState LiveScene::state_of(const PositioningMap& map, const LiveDocument& document,
+                                     Revision revision) {
+    proto::LiveState state;
+    state.set_revision(revision);
+    constexpr std::int64_t everywhere = std::int64_t{1} << 41;
+    for (const Sprite& sprite : map.meeting({-everywhere, -everywhere, everywhere, everywhere}))
+        write_sprite(sprite, *state.add_sprites());
+    if (document.edited) *state.mutable_scene() = document.whole_message();
+    proto::ClockState& clock = *state.mutable_clock();
+    clock.set_at_ms(document.clock.at.time_since_epoch().count());
+    clock.set_step(document.clock.step);
+    clock.set_steps_per_second(document.clock.steps_per_second);
+    clock.set_playing(document.clock.playing);
+    return state;
+}
+
+proto::LiveState LiveScene::state() const {
+    std::unique_lock lock{mutex_};
+    const PositioningMap map = book_.map();
+    const auto document = document_;
+    const Revision revision = head_;
+    lock.unlock();
+    return state_of(map, *document, revision);
+}
+
 void LiveScene::keep_snapshot() {
     if (keeps_snapshot_ || closing_ || !journal_->status().snapshot_due) return;
     keeps_snapshot_ = true;
     if (snapshots_.joinable()) snapshots_.join();
-    snapshots_ = std::jthread{[this, map = book_.map(), revisions = page_revisions_, revision = head_] {
-        proto::LiveState state;
-        state.set_revision(revision);
-        constexpr std::int64_t everywhere = std::int64_t{1} << 41;
-        for (const Sprite& sprite : map.meeting({-everywhere, -everywhere, everywhere, everywhere}))
-            write_sprite(sprite, *state.add_sprites());
-        state.set_page_revisions(revisions.save());
-        journal_->keep_snapshot({revision, state.SerializeAsString()}, [this](Result<void> kept) {
-            if (!kept) spdlog::error("scene {}: no snapshot: {}", id_, kept.error().detail);
-            const std::lock_guard lock{mutex_};
-            keeps_snapshot_ = false;
-        });
-    }};
+    snapshots_ = std::jthread{
+        [this, map = book_.map(), document = document_, revisions = page_revisions_, revision = head_] {
+            proto::LiveState state = state_of(map, *document, revision);
+            state.set_page_revisions(revisions.save());
+            journal_->keep_snapshot({revision, state.SerializeAsString()}, [this](Result<void> kept) {
+                if (!kept) spdlog::error("scene {}: no snapshot: {}", id_, kept.error().detail);
+                const std::lock_guard lock{mutex_};
+                keeps_snapshot_ = false;
+            });
+        }};
 }
 
 }  // namespace tessera

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -14,6 +15,7 @@
 #include "proto/edit.pb.h"
 
 #include "server/edits/apply_edit.h"
+#include "server/edits/live_document.h"
 #include "server/edits/sprite_book.h"
 #include "server/journal/journal.h"
 #include "server/progress/progress.h"
@@ -48,9 +50,11 @@ class LiveScene final : public SceneNow {
   public:
     /// Edits that wait for the commit before theirs; beyond it, overloaded.
     static constexpr std::size_t max_waiting = 4096;
+    /// Edits of more than sprites that are compiled at once.
+    static constexpr std::size_t max_in_group = 256;
 
-    /// `base` has sprites. Brings it to the state of the journal's head. Errors: io_failure, invalid_input,
-    /// in the journal's words.
+    /// `base` takes edits: it has sprites, or a document. Brings it to the state of the journal's head.
+    /// Errors: io_failure, invalid_input, in the journal's words.
     static Result<std::unique_ptr<LiveScene>> open(ScenePtr base, std::unique_ptr<Journal> journal,
                                                    Progress& progress);
 
@@ -67,8 +71,17 @@ class LiveScene final : public SceneNow {
     /// Names the journal's history: another one counts its revisions from 0 again.
     std::string lineage() const { return to_string(lineage_); }
 
-    /// The scene file or its assets have changed: the same sprites over another ground. `base` has sprites.
+    /// Of its journal; none once it is closed.
+    std::optional<JournalStatus> journal_status() const;
+
+    /// The scene file or its assets have changed: the same sprites over another ground. What edits changed in
+    /// the file's own words stays as they left it. `base` as of open().
     void rebase(ScenePtr base);
+
+    /// Which step it shows when.
+    SceneClock clock() const;
+    /// All that edits may have changed, as snapshots hold it: at a revision that now() may not have yet.
+    proto::LiveState state() const;
 
     using Handler = std::function<void(EditOutcome)>;
     /// `handler` is called once, when the edit is in for good and now() has it, or when it is refused; on
@@ -87,12 +100,20 @@ class LiveScene final : public SceneNow {
     [[nodiscard]] std::shared_ptr<void> listen(Listener listener);
 
   private:
+    /// Edits of more than sprites that are compiled once, and go to the journal together.
+    struct Group {
+        std::shared_ptr<const LiveDocument> before, after;
+        ScenePtr ground;  ///< Compiled of `after`; null where that is of the same as before.
+    };
+
     /// An edit from its arrival to its answer.
     struct Work {
         proto::Edit edit;
         Append append;
         Handler handler;
-        std::optional<AppliedEdit> applied;  ///< What it did to book_.
+        std::optional<AppliedEdit> applied;    ///< What it did to book_, and is to do to document_.
+        std::shared_ptr<Group> group;          ///< With which it goes to the journal; null: by itself.
+        std::optional<DocumentEdit> document;  ///< Made before it goes there.
         std::optional<EditOutcome> outcome;
         bool is_in = false;  ///< In the journal already, as far as its id tells.
     };
@@ -112,6 +133,17 @@ class LiveScene final : public SceneNow {
     void apply(const Edit& edit);
     void publish();
     void keep_snapshot();
+    SceneClock::Time now_at() const;
+    static proto::LiveState state_of(const PositioningMap& map, const LiveDocument& document,
+                                     Revision revision);
+
+    // Of edits that change more than sprites (ground_lane.cpp)
+    void run_lane(std::stop_token stop);
+    void prepare(std::vector<Work> works, std::unique_lock<std::mutex>& lock);
+    void take_group(std::vector<Append>& batch);
+    void end_group();
+    Result<ScenePtr> compile(const LiveDocument& document) const;
+    void compile_document();
     SpritePatterns patterns() const noexcept;
 
     const std::string id_;
@@ -119,7 +151,15 @@ class LiveScene final : public SceneNow {
 
     mutable std::mutex mutex_;  ///< Guards what follows; never held while waiting for the disk or a handler.
     ScenePtr base_;
-    SpriteBook book_;  ///< At head_, and with what is being committed.
+    SpriteBook book_;                               ///< At head_, and with what is being committed.
+    std::shared_ptr<const LiveDocument> document_;  ///< At head_.
+    ScenePtr ground_;                               ///< Compiled of document_, but for its targets.
+    std::shared_ptr<const LiveDocument> compiled_;  ///< What ground_ was compiled of.
+    std::deque<Work> unprepared_;                   ///< That change more than sprites.
+    std::shared_ptr<Group> in_commit_;              ///< The group that is being committed.
+    bool group_waits_ = false;                      ///< One is prepared and not yet decided.
+    std::condition_variable_any lane_wakes_;
+    std::jthread lane_;
     PageRevisions page_revisions_;
     Revision head_ = 0;
     std::deque<Work> waiting_;

@@ -219,7 +219,7 @@ void EmbeddedJournal::decide(Batch& batch, std::vector<Edit>& fresh,
 
         const Standing standing{head_before + fresh.size(), edits_->forgotten(), same_id};
         auto outcome = judge(append, standing, limits_.edit_bytes);
-        Edit edit{standing.head + 1, append.id, now, {}};
+        Edit edit{standing.head + 1, append.id, now, {}, append.step};
         if (!outcome) {
             if (bytes + append.bytes.size() > horizon_.bytes) {
                 outcome =

@@ -27,6 +27,7 @@ struct Append {
     Revision known = 0;
     /// Accepted only while this is the head, for an edit that must not overlook another.
     std::optional<Revision> expected;
+    std::int64_t step = 0;  ///< Which step the scene showed: kept beside the edit, never compared.
 };
 
 /// An accepted edit.
@@ -35,6 +36,7 @@ struct Edit {
     EditId id;
     JournalTime accepted;  ///< By the journal's clock; never less than that of the edit before.
     std::string bytes;
+    std::int64_t step = 0;  ///< Of the append.
     bool operator==(const Edit&) const = default;
 };
 

@@ -10,7 +10,8 @@ namespace tessera {
 namespace {
 
 constexpr int application_id = 0x7473726a;  ///< "tsrj": the file is a journal of ours.
-constexpr int schema_version = 1;
+constexpr int schema_version = 2;
+constexpr int first_version = 1;  ///< The oldest that is brought up to date.
 
 constexpr const char* schema = R"sql(
     CREATE TABLE journal (
@@ -24,8 +25,16 @@ constexpr const char* schema = R"sql(
         id       BLOB NOT NULL UNIQUE,
         accepted INTEGER NOT NULL,   -- milliseconds since 1970
         bytes    BLOB NOT NULL,
-        checksum INTEGER NOT NULL    -- XXH3 of all that stands before it; see checksum_of()
+        checksum INTEGER NOT NULL,   -- XXH3 of all else; see checksum_of()
+        step     INTEGER NOT NULL DEFAULT 0  -- that the scene showed; since version 2
     ) STRICT;
+)sql";
+
+constexpr const char* to_version_2 = R"sql(
+    BEGIN IMMEDIATE;
+    ALTER TABLE edit ADD COLUMN step INTEGER NOT NULL DEFAULT 0;
+    PRAGMA user_version=2;
+    COMMIT;
 )sql";
 
 // A checkpoint costs two syncs: done where nobody waits, or before the log is long
@@ -35,11 +44,14 @@ constexpr int vacuumed_pages = 1024;  ///< Given back to the disk at a time, whe
 constexpr std::string_view stage = "check the journal";
 
 std::int64_t checksum_of(Revision revision, std::string_view id, std::int64_t accepted,
-                         std::string_view bytes) {
-    std::uint64_t names[4] = {revision, static_cast<std::uint64_t>(accepted), 0, 0};
+                         std::string_view bytes, std::int64_t step) {
+    std::uint64_t names[5] = {revision, static_cast<std::uint64_t>(accepted), 0, 0,
+                              static_cast<std::uint64_t>(step)};
     std::memcpy(names + 2, id.data(), std::min(id.size(), sizeof(EditId)));
+    // Edits of version 1 have no step, and keep their checksums
+    const std::size_t named = step == 0 ? 4 * sizeof names[0] : sizeof names;
     return static_cast<std::int64_t>(
-        XXH3_64bits_withSeed(bytes.data(), bytes.size(), XXH3_64bits(names, sizeof names)));
+        XXH3_64bits_withSeed(bytes.data(), bytes.size(), XXH3_64bits(names, named)));
 }
 
 std::string_view text_of(const EditId& id) noexcept {
@@ -139,7 +151,8 @@ Result<void> SqliteStore::connect() {
     if (!empty && id != std::to_string(application_id))
         return Error{ErrorCode::invalid_input,
                      file + ": is a database of another program: name another folder"};
-    if (!empty && version != std::to_string(schema_version))
+    const bool older = version == std::to_string(first_version);
+    if (!empty && !older && version != std::to_string(schema_version))
         return Error{ErrorCode::invalid_input,
                      file + ": is a journal of version " + version + ", and this program knows version " +
                          std::to_string(schema_version) + ": use the program that wrote it, or a newer one"};
@@ -164,19 +177,22 @@ Result<void> SqliteStore::connect() {
                                                 "): choose another folder"};
     if (empty) {
         if (auto laid_out = lay_out(); !laid_out) return laid_out.error();
+    } else if (older) {
+        code = database_.execute(to_version_2);
+        if (code != SQLITE_OK) return failed("cannot be brought up to date", code);
     }
 
     const std::pair<std::string_view, sqlite::Statement*> statements[] = {
         {"BEGIN IMMEDIATE", &begin_},
         {"COMMIT", &commit_},
         {"ROLLBACK", &rollback_},
-        {"INSERT INTO edit VALUES (?1, ?2, ?3, ?4, ?5)", &insert_},
+        {"INSERT INTO edit VALUES (?1, ?2, ?3, ?4, ?5, ?6)", &insert_},
         {"SELECT count(*), sum(length(bytes)) FROM edit WHERE revision <= ?1", &measure_},
         {"DELETE FROM edit WHERE revision <= ?1", &forget_},
         {"UPDATE journal SET forgotten = ?1", &note_forgotten_},
-        {"SELECT revision, id, accepted, bytes, checksum FROM edit WHERE id = ?1", &find_},
+        {"SELECT revision, id, accepted, bytes, checksum, step FROM edit WHERE id = ?1", &find_},
         {"SELECT accepted FROM edit WHERE revision = ?1", &accepted_},
-        {"SELECT revision, id, accepted, bytes, checksum FROM edit WHERE revision >= ?1 ORDER BY revision",
+        {"SELECT revision, id, accepted, bytes, checksum, step FROM edit WHERE revision >= ?1 ORDER BY revision",
          &read_},
     };
     for (const auto& [sql, statement] : statements) {
@@ -312,7 +328,8 @@ int SqliteStore::write(std::span<const Edit> edits, Revision forget, std::uint64
                    .bind(2, edit.id.bytes)
                    .bind(3, accepted)
                    .bind_bytes(4, edit.bytes)
-                   .bind(5, checksum_of(edit.revision, text_of(edit.id), accepted, edit.bytes))
+                   .bind(5, checksum_of(edit.revision, text_of(edit.id), accepted, edit.bytes, edit.step))
+                   .bind(6, edit.step)
                    .run();
     }
     if (code == SQLITE_OK && forget > forgotten_) {
@@ -367,10 +384,10 @@ int SqliteStore::checkpoint() {
 Result<Edit> SqliteStore::edit_of(const sqlite::Statement& row) const {
     const auto revision = static_cast<Revision>(row.number(0));
     const std::string_view id = row.bytes(1), bytes = row.bytes(3);
-    if (id.size() != sizeof(EditId) || checksum_of(revision, id, row.number(2), bytes) != row.number(4))
+    if (id.size() != sizeof(EditId) || checksum_of(revision, id, row.number(2), bytes, row.number(5)) != row.number(4))
         return Error{ErrorCode::invalid_input, options_.file.string() + ": edit " + std::to_string(revision) +
                                                    " is damaged: put back a copy, or move it away"};
-    return Edit{revision, id_of(id), time_of(row.number(2)), std::string{bytes}};
+    return Edit{revision, id_of(id), time_of(row.number(2)), std::string{bytes}, row.number(5)};
 }
 
 Result<std::optional<Edit>> SqliteStore::find(const EditId& id) {

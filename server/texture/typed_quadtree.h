@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace tessera {
@@ -60,6 +61,11 @@ class TypedQuadtree {
     /// the layer of units, where there is a third dimension: each has roots of its own.
     TypeGrid types_of(int height, std::int64_t x, std::int64_t y, std::int32_t width,
                       std::int32_t height_nodes, std::int64_t z = 0) const;
+
+    /// The same for trees that are the same.
+    std::string name() const {
+        return std::to_string(seed_) + '/' + std::to_string(types_) + '/' + std::to_string(below_);
+    }
 
     std::size_t memory_bytes() const noexcept { return children_.size() * sizeof children_[0]; }
 

@@ -75,7 +75,7 @@ TEST_F(OpeningAJournal, KeepsItsPromisesInTheFile) {
         return answer;
     };
     EXPECT_EQ(ask("PRAGMA journal_mode"), "wal");
-    EXPECT_EQ(ask("PRAGMA user_version"), "1");
+    EXPECT_EQ(ask("PRAGMA user_version"), "2");
     EXPECT_EQ(ask("SELECT count(*) FROM pragma_table_list WHERE name IN ('edit', 'journal') AND strict = 1"),
               "2");
     EXPECT_NE(
@@ -88,8 +88,8 @@ TEST_F(OpeningAJournal, KeepsItsPromisesInTheFile) {
 
 TEST_F(OpeningAJournal, RefusesANewerVersion) {
     fill(3);
-    execute("PRAGMA user_version=2");
-    fails("version 2");
+    execute("PRAGMA user_version=3");
+    fails("version 3");
 }
 
 TEST_F(OpeningAJournal, RefusesAnotherScenes) {
