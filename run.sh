@@ -11,7 +11,7 @@ usage: ./run.sh [PHOTO|SCENE] [--method METHOD] [--listen ADDR:PORT] [--view] [-
                       pebbles-interchange, pebbles-wang (painted); coffee, stones,
                       maple-leaves, leaf (photographs); tiles, meadow-sand, leaves, autumn,
                       terrain, petals, grove (pattern blocks); message-board, fireflies,
-                      windfall (these move); constant, checker
+                      windfall, flower-field, road (these move); constant, checker
                       Neither: all samples
   --method METHOD     how PHOTO is prepared: content_exchange unless given, interchange, wang
   --listen ADDR:PORT  where to serve, 127.0.0.1:7070 unless given; port 0 picks a free one
@@ -82,7 +82,7 @@ if [[ -n $target ]]; then
         [[ -f $target/scene.json ]] || fail "$target: is a folder without scene.json; name a scene's folder"
         kind=folder
         target=$(realpath "$target")
-    elif [[ " pebbles pebbles-interchange pebbles-wang coffee stones maple-leaves leaf tiles meadow-sand leaves autumn terrain petals grove message-board fireflies windfall constant checker " == *" $target "* ]]; then
+    elif [[ " pebbles pebbles-interchange pebbles-wang coffee stones maple-leaves leaf tiles meadow-sand leaves autumn terrain petals grove message-board fireflies windfall flower-field road constant checker " == *" $target "* ]]; then
         kind=sample
     else
         misused "$target: neither an image file, nor a scene's folder, nor a sample's name"

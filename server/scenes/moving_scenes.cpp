@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/scene/png_file.h"
+#include "server/scenes/moving_blocks.h"
 #include "server/scenes/patterns/canvas.h"
 #include "server/scenes/patterns/leaf.h"
 #include "server/scenes/patterns/lettering.h"
@@ -12,14 +13,22 @@
 #include "shared/math/hash.h"
 
 namespace tessera {
-namespace {
 
-using namespace painting;
+namespace moving {
+
+using painting::sheet_of;
 
 proto::Block& add(proto::Scene& scene, const std::string& name) {
     proto::Block& block = *scene.mutable_pattern()->add_blocks();
     block.set_name(name);
     return block;
+}
+
+proto::Block& block_named(proto::Scene& scene, const std::string& name) {
+    proto::Pattern& pattern = *scene.mutable_pattern();
+    for (int i = 0; i < pattern.blocks_size(); ++i)
+        if (pattern.blocks(i).name() == name) return *pattern.mutable_blocks(i);
+    return add(scene, name);
 }
 
 void add_patterns(PaintedScene& painted, const std::string& name, const std::vector<Rgba8Image>& patterns) {
@@ -41,6 +50,13 @@ void add_frames(proto::Scene& scene, const std::vector<std::pair<std::int32_t, s
     }
 }
 
+}  // namespace moving
+
+namespace {
+
+using namespace painting;
+using namespace moving;
+
 /// Random phases, fine enough for any cycle.
 void add_phases(proto::Scene& scene) {
     proto::VirtualIndirectionMap& phase = *add(scene, "phase").mutable_virtual_indirection_map();
@@ -52,6 +68,7 @@ void add_phases(proto::Scene& scene) {
 constexpr std::int32_t strokes = 3;  ///< None, inside, rim: of each message, so nine codes; …
 constexpr std::int32_t noises = 7;   ///< … then LEDs of the background that light up now and then.
 constexpr std::int32_t board_width = 12288, board_height = 1536;
+constexpr std::int32_t leds_a_step = 8;  ///< That it runs to the left.
 
 /// Rests of all codes under one message (0 or 1), in steps; −1: for ever.
 void add_rests(proto::Scene& scene, const std::string& name, int message) {
@@ -85,8 +102,9 @@ PaintedFile paint_board() {
     return {"board.png", to_png(board_width, board_height, PngColor::grey, 8, codes)};
 }
 
-/// "A LED message board with blinking LEDs" (figure 21 c): two messages that change by temporal transition
-/// while the density of animation goes down and up again.
+/// "A LED message board with blinking LEDs" (figure 21 c): what is written runs to the left; two messages
+/// change by temporal transition while the density of animation goes down and up again. Once round the board
+/// it begins again.
 PaintedScene paint_message_board() {
     PaintedScene painted;
     proto::Scene& scene = painted.scene;
@@ -117,17 +135,21 @@ PaintedScene paint_message_board() {
         if (rest != nullptr) to.mutable_rest()->set_block(rest);
     };
     constexpr double blank = std::numeric_limits<double>::infinity();
-    std::int64_t step = 400;
+    constexpr std::int64_t shown = 320, fades = 48;
+    std::int64_t step = shown;
     for (const char* next : {"second", "first"}) {
-        for (const double density : {8.0, 40.0, blank}) change(step, density), step += 60;
-        change(step, 40, next), step += 60;
-        for (const double density : {8.0, 1.0}) change(step, density), step += 60;
-        step += 400;
+        for (const double density : {8.0, 40.0, blank}) change(step, density), step += fades;
+        change(step, 40, next), step += fades;
+        for (const double density : {8.0, 1.0}) change(step, density), step += fades;
+        step += shown;
     }
+    block_named(scene, "lit").add_editable("animation");
     proto::ReferenceTexture& texture = *add(scene, "message-board").mutable_reference_texture();
     texture.set_patterns("leds");
     texture.set_grid("cells");
     texture.mutable_index()->set_block("lit");
+    texture.mutable_scroll()->set_cells(leds_a_step);
+    static_assert(3 * shown + 12 * fades == board_width / leds_a_step);
     scene.mutable_clock()->set_steps_per_second(20);
     scene.mutable_clock()->set_loop_steps(step);
     return painted;
@@ -175,6 +197,7 @@ PaintedScene paint_fireflies() {
     texture.set_transform("place");
     proto::Layers& layers = *add(scene, "night").mutable_layers();
     for (const char* layer : {"pebbles", "dusk", "sparks"}) layers.add_textures(layer);
+    block_named(scene, "lit").add_editable("animation");
     scene.mutable_pattern()->set_seed(3);
     scene.mutable_clock()->set_steps_per_second(12);
     return painted;
@@ -239,9 +262,9 @@ PaintedScene paint_windfall() {
 }
 
 constexpr std::pair<std::string_view, PaintedScene (*)()> painters[] = {
-    {"message-board", paint_message_board},
-    {"fireflies", paint_fireflies},
-    {"windfall", paint_windfall},
+    {"message-board", paint_message_board}, {"fireflies", paint_fireflies},
+    {"windfall", paint_windfall},           {"flower-field", moving::paint_flower_field},
+    {"road", moving::paint_road},
 };
 
 }  // namespace

@@ -97,6 +97,7 @@ class Blocks {
         areas.mutable_areas()->set_grid("cells");
         areas.mutable_areas()->set_image(image);
         areas.mutable_areas()->set_cells(cells);
+        pattern_.mutable_blocks()->rbegin()->add_editable("map");
     }
     void layers(const std::vector<std::string>& textures) {
         proto::Layers& layers = *add("layers").mutable_layers();

@@ -191,6 +191,8 @@ const std::vector<Sample>& all_samples() {
         {"message-board", "A message board of 12288 × 1536 LEDs", painted, moving},
         {"fireflies", "Fireflies over pebbles", painted, moving},
         {"windfall", "Leaves on pebbles, to be moved by hand", painted, moving},
+        {"flower-field", "Flowers that open near three balls", painted, moving},
+        {"road", "Footprints and signs on a road", painted, moving},
         {"constant", "One colour", "", constant},
         {"checker", "Checkerboard", "", checker},
     };

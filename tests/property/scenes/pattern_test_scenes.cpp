@@ -1,5 +1,6 @@
 #include "tests/property/scenes/pattern_test_scenes.h"
 
+#include <algorithm>
 #include <fstream>
 #include <map>
 #include <memory>
@@ -9,6 +10,7 @@
 #include "server/prepare/recorded.h"
 #include "server/scene/asset_file.h"
 #include "server/scene/image_file.h"
+#include "server/scenes/moving_scenes.h"
 #include "server/scenes/paint_pebbles.h"
 #include "server/scenes/painted_folder.h"
 #include "server/scenes/pattern_scenes.h"
@@ -202,7 +204,9 @@ WrittenScene::WrittenScene(const PatternTestScene& scene) {
         if (home == nullptr) {
             home = std::make_unique<TemporaryFolder>();
             const auto written = write_painted_folder(
-                home->path / scene.name, paint_pattern_scene(scene.name),
+                home->path / scene.name,
+                std::ranges::count(moving_scene_names(), scene.name) > 0 ? paint_moving_scene(scene.name)
+                                                                         : paint_pattern_scene(scene.name),
                 [](const fs::path& inside) -> Result<void> {
                     fs::copy(small_pebbles(), inside / "asset", fs::copy_options::recursive);
                     return {};

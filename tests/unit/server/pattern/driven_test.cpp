@@ -206,6 +206,60 @@ TEST(Requests, ShowTheFrameThatTheyAskFor) {
     }
 }
 
+/// Nine of sixteen cells lit, drawn out of what a map says, running to the left.
+std::string running(const std::string& scroll) {
+    std::string values;
+    for (int i = 0; i < 32 * 16; ++i) values += (i > 0 ? ", " : "") + std::to_string(i % 7 % 2 + i / 96 % 2);
+    return R"(
+  {"name": "set", "pattern_set": {"image": "a.png", "side_texels": 4}},
+  {"name": "grid", "virtual_tile_map": {"cell_texels": 4}},
+  {"name": "draw", "virtual_indirection_map": {"grid": "grid", "count": 4}},
+  {"name": "map", "explicit_indirection_map": {"grid": "grid", "width": 32, "values": [)" +
+           values + R"(]}},
+  {"name": "kind", "materials_map": {"material": {"block": "map"}, "index": {"block": "draw"}, "materials": [
+    {"entries": [{"pattern": 0}, {"pattern": 1}]}, {"entries": [{"pattern": 2}, {"pattern": 3}]},
+    {"entries": [{"pattern": 4}]}]}},
+  {"name": "t", "reference_texture": {"patterns": "set", "grid": "grid", "index": {"block": "kind"})" +
+           scroll + "}}";
+}
+
+TEST(Scrolling, ShowsWhatIsFurtherRight) {
+    const auto still = compiled(running(""));
+    const auto plan = compiled(running(R"(, "scroll": {"cells": 8, "steps": 3})"));
+    ASSERT_TRUE(plan) << plan.error().detail;
+    ASSERT_TRUE(still);
+    const auto texture = make_pattern_texture(*plan), stands = make_pattern_texture(*still);
+    for (const Step step : {0, 2, 3, 31, -1}) {
+        const std::int64_t cells = 8 * (step < 0 ? -1 : step / 3) + (step < 0 ? std::int64_t{1} << 36 : 0);
+        Evaluation told;
+        const LinearImage shown =
+            texels_of(*texture, {.level = 0, .x = 8, .y = 4, .width = 64, .height = 64, .step = step}, &told);
+        EXPECT_EQ(
+            shown.values,
+            texels_of(*stands, {.level = 0, .x = 8 + 4 * cells, .y = 4, .width = 64, .height = 64}).values)
+            << step;
+        EXPECT_TRUE(told.validity.holds(step));
+        EXPECT_EQ(told.validity.until - told.validity.from, 3);
+    }
+    // Far above the cells, by expectation, the same to within what both state
+    for (const Step step : {3, 33}) {
+        const LinearImage fine = texels_of(*texture, {.level = 2, .width = 512, .height = 512, .step = step});
+        for (const int level : {3, 6, 7, 9}) {
+            Evaluation told;
+            const std::int32_t side = 512 >> (level - 2);
+            const LinearImage page = texels_of(
+                *texture,
+                {.level = static_cast<std::uint8_t>(level), .width = side, .height = side, .step = step},
+                &told, Accuracy::fast);
+            EXPECT_LE(off_by(page, fine, level - 2), told.bound_codes) << level;
+            EXPECT_EQ(told.validity, (Validity{step, step + 3})) << level;
+        }
+    }
+    const auto odd = compiled(running(R"(, "scroll": {"cells": 4})"));
+    ASSERT_FALSE(odd);
+    EXPECT_THAT(odd.error().detail, HasSubstr(".scroll.cells: is 4; a multiple of 8"));
+}
+
 TEST(DrivenAnimations, AreCheckedByTheirField) {
     const auto refusal_of = [](const std::string& fields) {
         const auto plan = compiled(animated(fields));
