@@ -9,6 +9,7 @@
 #include "server/accuracy/commands.h"
 #include "server/bake/commands.h"
 #include "server/compare/commands.h"
+#include "server/history/commands.h"
 #include "server/http/commands.h"
 #include "server/prepare/commands.h"
 #include "server/scenes/commands.h"
@@ -22,6 +23,7 @@ int main(int argc, char** argv) {
     int exit_code = 0;
     tessera::add_serve_command(app, exit_code);
     tessera::add_token_command(app, exit_code);
+    tessera::add_history_commands(app, exit_code);  // log, export
     tessera::add_prepare_command(app, exit_code);   // prepare, report
     tessera::add_bake_commands(app, exit_code);     // page, bake, check
     tessera::add_compare_commands(app, exit_code);  // quality, compare
