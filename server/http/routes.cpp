@@ -61,6 +61,10 @@ Routes::Outcome Routes::route(const RequestHead& request, const Site& site) {
     if (!site.catalog) return refusal_answer({503, "the scenes are being loaded", false});
     if (first != "scenes") return web_file(request, site, *segments);
 
+    if (is_sprite_address(*segments)) {
+        const ScenePtr scene = site.catalog->find((*segments)[1]);
+        return scene ? sprites(request, scene, *segments) : refusal_answer(no_such_scene((*segments)[1]));
+    }
     if (is_page_address(*segments)) return page(request, site, *segments);
     if (segments->size() == 3 && segments->back() == "sample") {
         const ScenePtr scene = site.catalog->find((*segments)[1]);
@@ -218,6 +222,7 @@ Answer Routes::readiness(const Site& site) {
 Answer Routes::metrics() {
     pages_.update_gauges();
     samples_.update_gauges();
+    edits_.update_gauges();
     std::ostringstream text;
     prometheus::TextSerializer{}.Serialize(text, registry_.Collect());
     return text_answer(200, "text/plain; version=0.0.4; charset=utf-8", text.str(),

@@ -59,8 +59,8 @@ struct PendingStream {
 class Routes {
   public:
     /// All outlive this.
-    Routes(PageService& pages, SampleService& samples, prometheus::Registry& registry)
-        : pages_{pages}, samples_{samples}, registry_{registry} {}
+    Routes(PageService& pages, SampleService& samples, EditService& edits, prometheus::Registry& registry)
+        : pages_{pages}, samples_{samples}, edits_{edits}, registry_{registry} {}
 
     using Outcome = std::variant<Answer, PendingPage, PendingSample, PendingEdit, PendingStream>;
     Outcome route(const RequestHead& request, const Site& site);
@@ -84,6 +84,11 @@ class Routes {
     Outcome edit(const RequestHead& request, const Scene& scene, const Access& access);
     static Outcome stream(const RequestHead& request, const Scene& scene);
     Outcome sample(const RequestHead& request, const ScenePtr& scene);
+    /// …/sprites, …/patterns/{index}.png and …/without-{sprite},{sprite}/{z}/{x}/{y}.{format}: what an editor
+    /// draws with.
+    static bool is_sprite_address(const std::vector<std::string>& segments) noexcept;
+    Outcome sprites(const RequestHead& request, const ScenePtr& scene, std::vector<std::string> segments);
+    static Answer sprite_list(const RequestHead& request, const Scene& scene);
     static Answer page_not_modified(PageId id, const PageOptions& options, bool pinned);
     Outcome page(const RequestHead& request, const Site& site, const std::vector<std::string>& segments);
     Answer scene_list(const RequestHead& request, const Catalog& catalog);
@@ -94,6 +99,7 @@ class Routes {
 
     PageService& pages_;
     SampleService& samples_;
+    EditService& edits_;
     prometheus::Registry& registry_;
 };
 

@@ -19,10 +19,10 @@ Server::Server(const ServerOptions& options)
       metrics_{registry_},
       pages_{options.pages, registry_, page_prelude},
       samples_{options.samples, registry_},
-      edits_{options.edits},
+      edits_{options.edits, registry_},
       streams_{options.streams, pages_, edits_, registry_},
       bodies_{options.bodies_bytes},
-      routes_{pages_, samples_, registry_} {
+      routes_{pages_, samples_, edits_, registry_} {
     for (std::size_t i = 0; i < std::max<std::size_t>(options.io_threads, 1); ++i)
         threads_.push_back(std::make_unique<IoThread>(
             SessionContext{options.session, routes_, pages_, samples_, edits_, bodies_, metrics_,
@@ -83,7 +83,8 @@ void Server::publish(std::shared_ptr<const Catalog> catalog, std::shared_ptr<con
 
 bool Server::sessions_left() {
     std::atomic<std::size_t> left = 0;
-    on_every_thread([&](SessionContext& context) { left += context.sessions.size() + context.streams->size(); });
+    on_every_thread(
+        [&](SessionContext& context) { left += context.sessions.size() + context.streams->size(); });
     return left != 0;
 }
 
