@@ -152,6 +152,11 @@ void add_serve_command(CLI::App& app, int& exit_code) {
         ->check(CLI::Range(1, 1'000'000))
         ->capture_default_str();
     command
+        ->add_option("--max-streams", options.streams.streams,
+                     "Of these, open streams; one more is answered with 503")
+        ->check(CLI::Range(1, 1'000'000))
+        ->capture_default_str();
+    command
         ->add_option("--max-queue", options.pages.queued_pages,
                      "Pages that may wait for a thread; one more is answered with 503")
         ->check(CLI::Range(1, 1'000'000))

@@ -10,6 +10,8 @@
 
 #include "proto/stream.pb.h"
 
+#include "shared/page/parameter.h"
+
 namespace tessera {
 namespace {
 
@@ -66,6 +68,9 @@ Result<PageOptions> page_options_of(const proto::StreamPageOptions& message) {
     if (message.slice() < -max_slice || message.slice() > max_slice)
         return malformed("options.slice: an integer from -2^40 to 2^40");
     options.slice = message.slice();
+    if (!(message.parameter() >= 0 && message.parameter() <= 1))
+        return malformed("options.parameter: a number from 0 to 1");
+    options.parameter = static_cast<std::int32_t>(message.parameter() * parameter_one);
     return options;
 }
 

@@ -31,6 +31,7 @@ void StreamService::follow_scenes() {
 }
 
 SceneClock StreamService::clock_of(const Scene& scene) const {
+    if (scene.clock) return *scene.clock;
     SceneClock clock;
     clock.at = started_;
     clock.steps_per_second = scene.steps_per_second;

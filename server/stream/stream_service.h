@@ -37,7 +37,7 @@ class StreamService {
 
     std::uint64_t new_session() noexcept { return ++sessions_; }
 
-    /// Scenes without a clock of their own show step 0 when the server starts.
+    /// That edits set; scenes that take none showed step 0 when the server started.
     SceneClock clock_of(const Scene& scene) const;
 
     const StreamOptions options;

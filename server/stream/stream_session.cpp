@@ -34,7 +34,10 @@ void StreamSession::begin(const StreamSocket::Upgrade& upgrade) {
     socket_.accept(upgrade, shared_from_this());
 }
 
-void StreamSession::opened() { socket_.read_on(); }
+void StreamSession::opened() {
+    socket_.read_on();
+    send_next();  // the server may be stopping already
+}
 
 void StreamSession::ended(std::string_view why, bool cut) {
     if (cut) service_.metrics.streams_cut.Increment();
@@ -126,6 +129,7 @@ void StreamSession::start_page(const PageFlow::Started& started) {
     PageRequest request{scene, ask.key, *ask.options, ask.urgency};
     request.options.slice = scene->same_slice(request.options.slice);
     request.options.step = scene->same_step(ask.step);
+    request.options.parameter = scene->same_parameter(request.options.parameter);
     const auto known = service_.pages.id_of(request);
     if (known) {
         // It is found often, and then costs no other thread anything
@@ -255,8 +259,8 @@ void write_clock(const SceneClock& clock, proto::ClockNow& message) {
 }  // namespace
 
 std::optional<std::string> StreamSession::next_clock(const Scene& scene) {
-    const SceneClock clock = service_.clock_of(scene);
     const auto now = Clock::now();
+    const SceneClock clock = service_.clock_of(scene);
     if (clock == clock_ && now < next_clock_) return std::nullopt;
     clock_ = clock;
     next_clock_ = now + options_.clock_pause;

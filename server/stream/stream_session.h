@@ -104,7 +104,6 @@ class StreamSession final : public StreamEnd, public std::enable_shared_from_thi
     std::string fingerprint_;  ///< As the client was told.
     bool wants_presence_ = false, wants_edits_ = false;
     bool leaving_ = false;  ///< Goodbye is the last message.
-    bool said_goodbye_ = false;
     unsigned close_code_ = 0;
     std::string close_why_;
 
@@ -118,7 +117,7 @@ class StreamSession final : public StreamEnd, public std::enable_shared_from_thi
     Revision told_ = 0;                ///< The revision that the client heard last.
     Revision news_told_ = 0;
     PresenceBoard::Version presence_read_ = 0;
-    SceneClock clock_;
+    SceneClock clock_;  ///< As the client was told.
     std::size_t edits_under_way_ = 0;
     bool news_turn_ = false;
     Clock::time_point wakes_at_ = Clock::time_point::max();

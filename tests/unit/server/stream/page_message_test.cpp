@@ -90,10 +90,12 @@ TEST(PageOptions, AreThoseOfAnAddress) {
     message.set_gutter(2);
     message.set_max_error(0.5);
     message.set_accuracy("fast");
+    message.set_parameter(0.25);
     options = page_options_of(message);
     ASSERT_TRUE(options);
     EXPECT_EQ(options->coding, ContentCoding::identity);
     EXPECT_EQ(options->gutter, 2);
+    EXPECT_EQ(options->parameter, 16384);
     EXPECT_EQ(options->max_error->millionths, 500'000u);
     EXPECT_EQ(options->accuracy, Accuracy::high) << "a limit goes before it";
 
@@ -110,6 +112,7 @@ TEST(PageOptions, AreThoseOfAnAddress) {
     refused([](auto& wrong) { wrong.set_max_error(std::numeric_limits<double>::quiet_NaN()); }, "max_error");
     refused([](auto& wrong) { wrong.set_max_error(-1); }, "max_error");
     refused([](auto& wrong) { wrong.set_channels("colour"); }, "channels");
+    refused([](auto& wrong) { wrong.set_parameter(1.5); }, "parameter");
     refused([](auto& wrong) { wrong.set_slice(max_slice + 1); }, "slice");
 }
 
