@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace tessera {
 namespace {
@@ -9,6 +10,9 @@ namespace {
 constexpr std::size_t remembered = 24;  ///< Answers that estimates are made from: some windows' worth.
 constexpr double headroom = 1.15;       ///< So that a link that has become faster is noticed.
 constexpr std::size_t first_answers = 8;
+/// A round trip that was measured longer ago is measured anew, with little under way: of a full link one sees
+/// only the queue.
+constexpr ClientTime round_trip_lasts{10000};
 
 }  // namespace
 
@@ -18,7 +22,7 @@ CreditWindow::CreditWindow(std::size_t least, std::size_t most)
 void CreditWindow::sent(std::uint32_t id, ClientTime now, bool is_limited) {
     // After a pause the link's time begins with the request
     const ClientTime since = under_way_.empty() ? now : last_arrival_;
-    under_way_[id] = {now, since, bytes_, is_limited};
+    under_way_[id] = {now, since, bytes_, is_limited, under_way_.size() <= least_};
 }
 
 /// The rate is that of Cardwell et al., "BBR: Congestion-Based Congestion Control", ACM Queue 14(5), 2016:
@@ -33,11 +37,15 @@ void CreditWindow::arrived(std::uint32_t id, std::size_t bytes, ClientTime now) 
     const auto size = static_cast<double>(bytes);
     page_bytes_ = page_bytes_ == 0 ? size : page_bytes_ + (size - page_bytes_) / 8;
     last_arrival_ = now;
-    round_trips_.push_back(std::max(now - sent.at, ClientTime{1}));
-    if (round_trips_.size() > 4 * remembered) round_trips_.pop_front();
+    const ClientTime trip = std::max(now - sent.at, ClientTime{1});
+    if (round_trip_.count() == 0 || trip <= round_trip_ || (sent.is_alone && is_draining_)) {
+        round_trip_ = trip;
+        round_trip_measured_ = now;
+        is_draining_ = false;
+    }
     const ClientTime took = std::max(now - std::min(sent.last_arrival, sent.at), ClientTime{1});
     const double rate = static_cast<double>(bytes_ - sent.bytes_before) / static_cast<double>(took.count());
-    if (!sent.is_limited && !rates_.empty() && rate <= *std::ranges::max_element(rates_)) return;
+    if (!sent.is_limited && rate <= bytes_per_second() / 1000) return;
     rates_.push_back(rate);
     if (rates_.size() > remembered) rates_.pop_front();
 }
@@ -48,10 +56,12 @@ void CreditWindow::frame(ClientTime now) {
         frame_ms_ += (took - frame_ms_) / 16;
     }
     last_frame_ = now;
+    if (now - round_trip_measured_ > round_trip_lasts && round_trip_.count() > 0) is_draining_ = true;
 }
 
 std::size_t CreditWindow::answers() const {
     if (rates_.empty()) return std::clamp(first_answers, least_, most_);
+    if (is_draining_) return least_;
     const double under_way =
         bytes_per_second() / 1000 * (static_cast<double>(round_trip().count()) + frame_ms_) * headroom;
     const auto pages =
@@ -59,12 +69,13 @@ std::size_t CreditWindow::answers() const {
     return std::clamp(pages + 1, least_, most_);
 }
 
-ClientTime CreditWindow::round_trip() const {
-    return round_trips_.empty() ? ClientTime{0} : *std::ranges::min_element(round_trips_);
-}
-
 double CreditWindow::bytes_per_second() const {
-    return rates_.empty() ? 0 : *std::ranges::max_element(rates_) * 1000;
+    if (rates_.empty()) return 0;
+    // What frames round is as often too high as too low
+    std::vector<double> sorted(rates_.begin(), rates_.end());
+    const auto at = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() * 3 / 4);
+    std::ranges::nth_element(sorted, at);
+    return *at * 1000;
 }
 
 }  // namespace tessera

@@ -29,8 +29,10 @@ class CreditWindow {
     void frame(ClientTime now);
 
     std::size_t answers() const;
-    ClientTime round_trip() const;    ///< The shortest of the last ones; 0 before the first.
-    double bytes_per_second() const;  ///< The fastest of the last ones; 0 before the first.
+    ClientTime round_trip() const {
+        return round_trip_;
+    }                                 ///< With hardly anything under way; 0 before the first.
+    double bytes_per_second() const;  ///< As fast as most of the last answers came; 0 before the first.
     ClientTime frame_time() const { return ClientTime{static_cast<std::int64_t>(frame_ms_ + 0.5)}; }
 
   private:
@@ -39,10 +41,12 @@ class CreditWindow {
         ClientTime last_arrival{};       ///< Before it was sent
         std::uint64_t bytes_before = 0;  ///< That had arrived then
         bool is_limited = false;
+        bool is_alone = false;  ///< Hardly anything else was under way
     };
     std::size_t least_, most_;
     std::unordered_map<std::uint32_t, Sent> under_way_;
-    std::deque<ClientTime> round_trips_;
+    ClientTime round_trip_{}, round_trip_measured_{};
+    bool is_draining_ = false;  ///< To measure the round trip anew
     std::deque<double> rates_;  ///< Bytes a millisecond
     std::uint64_t bytes_ = 0;
     double page_bytes_ = 0;

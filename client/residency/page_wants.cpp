@@ -52,7 +52,7 @@ void PageWants::add(const std::vector<NeededPage>& needed, double weight, bool i
             PageKey at = page.key;
             while (at.level < level) at = parent(at);
             // The right page of an older version is as bad as two levels missing; a cover is replaced anyway
-            if (versions_.is_stale(at, step_))
+            if (versions_.is_stale(at, step_) && !waits_(at))
                 gain(at, pixels * (at == page.key ? 2 : 0.25), in_view ? Urgency::renew : Urgency::prefetch);
         }
         if (level == page.key.level) continue;

@@ -17,10 +17,15 @@ namespace tessera {
 /// to ask for them: each is judged by what is missing when all that were asked for before it have come.
 class PageWants {
   public:
-    /// All outlive this. `is_under_way`: asked for, and not here yet.
+    /// All outlive this. `is_under_way`: asked for, and not here yet. `waits`: a newer version is here, and
+    /// will be shown soon.
     PageWants(const PageTable& table, const PageVersions& versions, Step step,
-              std::function<bool(PageKey)> is_under_way)
-        : table_{table}, versions_{versions}, step_{step}, is_under_way_{std::move(is_under_way)} {}
+              std::function<bool(PageKey)> is_under_way, std::function<bool(PageKey)> waits)
+        : table_{table},
+          versions_{versions},
+          step_{step},
+          is_under_way_{std::move(is_under_way)},
+          waits_{std::move(waits)} {}
 
     /// The pages of a view, `weight` of which counts; `in_view`: they are seen now.
     void add(const std::vector<NeededPage>& needed, double weight, bool in_view);
@@ -58,7 +63,7 @@ class PageWants {
     const PageTable& table_;
     const PageVersions& versions_;
     Step step_;
-    std::function<bool(PageKey)> is_under_way_;
+    std::function<bool(PageKey)> is_under_way_, waits_;
     std::unordered_map<PageKey, Want> wants_;
     std::vector<Missing> missing_;
 };

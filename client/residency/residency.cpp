@@ -166,7 +166,15 @@ std::optional<SlotUpload> Residency::place(ArrivedPage arrived, const FrameTime&
 
 std::vector<WantedPage> Residency::wanted(const PlaneView& view, const std::vector<NeededPage>& needed,
                                           const FrameTime& time, const Sampling& sampling) {
-    PageWants wants{table_, versions_, time.step, [&](PageKey page) { return requests_.is_under_way(page); }};
+    // Whether a page's texels for a step are here already, of the newest version that is known
+    const auto waits = [&](PageKey page, Step step) {
+        return std::ranges::any_of(early_, [&](const ArrivedPage& early) {
+            return early.page == page && early.version.validity.holds(step) &&
+                   early.version.scene_revision >= versions_.least_revision(page);
+        });
+    };
+    PageWants wants{table_, versions_, time.step, [&](PageKey page) { return requests_.is_under_way(page); },
+                    [&](PageKey page) { return waits(page, time.step); }};
     const CreditWindow& window = requests_.window();
     const ClientTime ahead = (window.round_trip() + window.frame_time()) * 3 / 2;
     wants.add(needed, 1, true);
@@ -174,7 +182,11 @@ std::vector<WantedPage> Residency::wanted(const PlaneView& view, const std::vect
         std::vector<NeededPage> soon =
             needed_pages(PlaneView{*camera, view.width(), view.height()}, extent_, lod_bias_, sampling);
         std::erase_if(soon, [&](const NeededPage& page) { return !table_.in_window(page.key); });
-        wants.add(soon, 1, false);
+        // Only as long as they do not push out what is seen now
+        const auto others =
+            std::ranges::count_if(soon, [&](const NeededPage& page) { return !cache_.find(page.key); });
+        if (needed.size() + static_cast<std::size_t>(others) + pinned_room() <= cache_.capacity())
+            wants.add(soon, 1, false);
     }
     for (int level = extent_.n; level >= 0 && is_pinned({static_cast<std::uint8_t>(level), 0, 0}); --level) {
         const auto l = static_cast<std::uint8_t>(level);
@@ -193,49 +205,21 @@ std::vector<WantedPage> Residency::wanted(const PlaneView& view, const std::vect
             if (!held || held->validity.until == never || held->validity.until > horizon ||
                 versions_.is_stale(page.key, time.step))
                 continue;
-            const auto waits = [&](const ArrivedPage& early) {
-                return early.page == page.key && early.version.validity.holds(held->validity.until);
-            };
-            if (std::ranges::none_of(early_, waits))
+            if (!waits(page.key, held->validity.until))
                 wants.add_next(page.key, page.pixels, held->validity.until);
         }
     }
     return wants.take(requests_.room());
 }
 
-/// News are wanted of what the table's windows reach, and some pages around, so that not each step of the
-/// camera changes what is watched.
+/// Pages that leave what is watched have seen what was told so far; of those that come into it, what was not.
 void Residency::watch(const std::vector<NeededPage>& needed) {
-    int finest = extent_.n;
-    for (const NeededPage& page : needed) finest = std::min<int>(finest, page.key.level);
-    if (watched_.empty() || finest < watched_finest_ || finest > watched_finest_ + 3)
-        watched_finest_ = std::max(0, finest - 1);
-    const std::int64_t side = table_.window_side(), margin = side / 4;
-    std::vector<PageWindow> windows;
-    for (int l = watched_finest_; l <= extent_.n; ++l) {
-        const auto level = static_cast<std::uint8_t>(l);
-        const PageKey centre = table_.centre_page(level);
-        const std::int64_t pages = extent_.side_pages(level);
-        const auto low = [&](std::uint32_t at) {
-            const std::int64_t first = std::int64_t{at} - side / 2;
-            return static_cast<std::uint32_t>(
-                std::max<std::int64_t>(0, first - (first % margin + margin) % margin));
-        };
-        const auto high = [&](std::uint32_t at) {
-            const std::int64_t end = std::int64_t{at} + side / 2;
-            return static_cast<std::uint32_t>(std::min(pages, end + (margin - end % margin) % margin));
-        };
-        windows.push_back({level, low(centre.x), low(centre.y), high(centre.x), high(centre.y)});
-    }
-    if (windows == watched_) return;
-    const auto is_in = [](const std::vector<PageWindow>& all, PageKey page) {
-        return std::ranges::any_of(all, [&](const PageWindow& window) { return window.contains(page); });
-    };
-    versions_.mark_told([&](PageKey page) { return is_in(watched_, page); });
-    const std::uint64_t seen =
-        versions_.least_seen([&](PageKey page) { return is_in(windows, page) && !is_in(watched_, page); });
-    watched_ = std::move(windows);
-    source_.watch(watched_, seen);
+    const std::vector<PageWindow> before = watched_.windows();
+    if (!watched_.follow(needed, extent_)) return;
+    versions_.mark_told([&](PageKey page) { return WatchedWindows::contains(before, page); });
+    const std::uint64_t seen = versions_.least_seen(
+        [&](PageKey page) { return watched_.contains(page) && !WatchedWindows::contains(before, page); });
+    source_.watch(watched_.windows(), seen);
 }
 
 std::size_t Residency::cache_slots(std::size_t slots) const { return std::max(slots, 2 * pinned_room()); }

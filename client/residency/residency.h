@@ -12,6 +12,7 @@
 #include "client/residency/page_table.h"
 #include "client/residency/page_versions.h"
 #include "client/residency/slot_cache.h"
+#include "client/residency/watched_windows.h"
 
 namespace tessera {
 
@@ -107,8 +108,7 @@ class Residency {
     PageVersions versions_;
     CameraMotion motion_;
     std::vector<ArrivedPage> early_;  ///< Whose steps are yet to come
-    std::vector<PageWindow> watched_;
-    int watched_finest_ = 0;  ///< Level
+    WatchedWindows watched_;
     double lod_bias_ = 0;
 };
 

@@ -163,15 +163,22 @@ void SimulatedStream::send_next() {
                             ? 1000.0 * static_cast<double>(link_.page_bytes) / link_.bytes_per_second
                             : 0;
     link_free_ = begin + took;
+    Validity validity;
+    if (interval > 0) {
+        validity.from = request.step - ((request.step % interval) + interval) % interval;
+        validity.until = validity.from + interval;
+    }
     ++pages_sent;
     bytes_sent += link_.page_bytes;
-    answer(
-        {.id = request.id,
-         .page = request.page,
-         .texels = std::string{},
-         .version = {.history = history_, .revision = revision_of(request.page), .scene_revision = revision_},
-         .wire_bytes = link_.page_bytes},
-        link_free_);
+    answer({.id = request.id,
+            .page = request.page,
+            .texels = std::string{},
+            .version = {.history = history_,
+                        .revision = revision_of(request.page),
+                        .scene_revision = revision_,
+                        .validity = validity},
+            .wire_bytes = link_.page_bytes},
+           link_free_);
 }
 
 void SimulatedStream::advance(ClientTime to) {

@@ -75,6 +75,82 @@ TEST(PageRequests, NeverAskAgainForAPageThatDoesNotExist) {
     EXPECT_TRUE(requests.is_given_up(page(1)));
 }
 
+/// Tells what it was asked, and answers what it is told to.
+class ScriptedSource : public PageSource {
+  public:
+    bool request(const PageRequest& request) override {
+        asked.push_back(request);
+        return true;
+    }
+    void cancel(PageRequestId id) override { cancelled.push_back(id); }
+    std::vector<ArrivedPage> take_arrived(std::size_t) override { return std::exchange(answers, {}); }
+    void allow(std::size_t count) override { allowed = count; }
+
+    std::vector<PageRequest> asked;
+    std::vector<PageRequestId> cancelled;
+    std::vector<ArrivedPage> answers;
+    std::size_t allowed = 0;
+};
+
+TEST(PageRequests, SayWhichVersionIsWantedAndHowManyAnswersMayCome) {
+    ScriptedSource source;
+    PageRequests requests{source, {}};
+    requests.want({{.page = page(1),
+                    .gain = 1,
+                    .least_revision = 7,
+                    .step = 42,
+                    .urgency = Urgency::renew,
+                    .have = "tag"}},
+                  0ms);
+    ASSERT_EQ(source.asked.size(), 1u);
+    EXPECT_EQ(source.asked[0].least_revision, 7u);
+    EXPECT_EQ(source.asked[0].step, 42);
+    EXPECT_EQ(source.asked[0].urgency, Urgency::renew);
+    EXPECT_EQ(source.asked[0].have, "tag");
+    EXPECT_EQ(source.allowed, requests.window().answers());
+}
+
+TEST(PageRequests, TakeUnchangedForAnAnswerAndDropWhatWasAnsweredBefore) {
+    ScriptedSource source;
+    PageRequests requests{source, {}};
+    requests.want({{page(1), 1}}, 0ms);
+    const ArrivedPage answer{
+        .id = source.asked[0].id, .page = page(1), .texels = std::string{}, .unchanged = true};
+    source.answers = {answer, answer};
+    const auto arrived = requests.take_arrived(8, 50ms);
+    ASSERT_EQ(arrived.size(), 1u);
+    EXPECT_TRUE(arrived[0].unchanged);
+    EXPECT_EQ(requests.counts().unchanged, 1u);
+    EXPECT_EQ(requests.counts().unasked, 1u);
+}
+
+TEST(PageRequests, WaitAsLongAsTheServerSaysBeforeTheyAskAgain) {
+    ScriptedSource source;
+    PageRequests requests{source, {}};
+    requests.want({{page(1), 1}}, 0ms);
+    source.answers.push_back({.id = source.asked[0].id,
+                              .page = page(1),
+                              .texels = Error{ErrorCode::overloaded, "busy"},
+                              .retry_ms = 3000});
+    std::vector<PageKey> without;
+    EXPECT_TRUE(requests.take_arrived(8, 10ms, &without).empty());
+    EXPECT_THAT(without, ElementsAre(page(1)));
+    requests.want({{page(1), 1}}, 2900ms);
+    EXPECT_EQ(source.asked.size(), 1u);
+    requests.want({{page(1), 1}}, 3100ms);
+    EXPECT_EQ(source.asked.size(), 2u);
+}
+
+TEST(PageRequests, GiveUpARequestThatIsNeverAnswered) {
+    ScriptedSource source;
+    PageRequests requests{source, {.patience = 5000ms}};
+    requests.want({{page(1), 1}}, 0ms);
+    for (ClientTime now = 0ms; now < 8000ms; now += 100ms) requests.want({{page(1), 1}}, now);
+    ASSERT_EQ(source.asked.size(), 2u);
+    EXPECT_THAT(source.cancelled, ElementsAre(source.asked[0].id));
+    EXPECT_EQ(requests.counts().failed, 1u);
+}
+
 TEST(PageRequests, RefuseAPageOfTheWrongSize) {
     FakePageSource source{[](PageKey) { return std::string(100, 'x'); }};
     PageRequests requests{source, {}};

@@ -77,6 +77,66 @@ TEST(Residency, BlursInsteadOfThrashingWhereTheCacheIsTooSmall) {
     EXPECT_LE(source.asked.size() - asked, 0u) << "at rest nothing is fetched again";
 }
 
+TEST(Residency, ShrinksLiveFrom512SlotsTo64AndFetchesNothingAgainAtRest) {
+    FakePageSource source{testing::blank_page};
+    Residency residency{Extent{20}, source, {}};
+    const PlaneView view{camera_at(5'000'000, 7'000'000, 900, -20), 1000, 800};
+    const Sampling sampling{Sampling::Kind::anisotropic};
+    ClientTime now{};
+    const auto frames = [&](int count) {
+        ResidencyFrame frame;
+        for (int i = 0; i < count; ++i) frame = residency.update(view, now += 16ms, sampling);
+        return frame;
+    };
+    EXPECT_EQ(frames(100).lod_bias, 0);
+    const std::size_t before = source.asked.size();
+    const SlotCache::Resized resized = residency.resize(64);
+    EXPECT_EQ(residency.cache().capacity(), 64u);
+    EXPECT_GT(resized.dropped.size(), 50u);
+    const ResidencyFrame small = frames(100);
+    EXPECT_TRUE(small.is_sharp());
+    EXPECT_GT(small.lod_bias, 0);
+    const std::size_t after = source.asked.size();
+    EXPECT_LE(after - before, 64u);
+    frames(200);
+    EXPECT_EQ(source.asked.size(), after);
+    residency.resize(512);
+    const ResidencyFrame large = frames(200);
+    EXPECT_TRUE(large.is_sharp());
+    EXPECT_EQ(large.lod_bias, 0);
+}
+
+TEST(Residency, WatchesWhatIsSeenAndItsAncestorsAndNotAnewWithEachStepOfTheCamera) {
+    class Watcher : public FakePageSource {
+      public:
+        Watcher() : FakePageSource{testing::blank_page} {}
+        void watch(std::span<const PageWindow> now, std::uint64_t) override {
+            windows.assign(now.begin(), now.end());
+            ++times;
+        }
+        std::vector<PageWindow> windows;
+        int times = 0;
+    } source;
+    Residency residency{Extent{20}, source, {}};
+    for (int i = 0; i < 200; ++i) {
+        const PlaneView view{camera_at(5'000'000 + 64 * i, 7'000'000), 800, 700};
+        residency.update(view, ClientTime{16 * i});
+        std::uint64_t pages = 0;
+        for (const PageWindow& window : source.windows) {
+            pages += std::uint64_t{window.right - window.left} * (window.bottom - window.top);
+            EXPECT_LE(window.right, Extent{20}.side_pages(window.level));
+            EXPECT_LE(window.bottom, Extent{20}.side_pages(window.level));
+        }
+        EXPECT_LE(pages, 8000u);
+        for (const NeededPage& page : needed_pages(view, Extent{20}, 0))
+            for (PageKey at = page.key; at.level < 20; at = parent(at)) {
+                const auto holds = [&](const PageWindow& window) { return window.contains(at); };
+                EXPECT_TRUE(std::ranges::any_of(source.windows, holds));
+            }
+    }
+    EXPECT_LE(source.times, 40) << "50 pages of level 0";
+}
+
 TEST(Residency, FetchesNothingAgainAfterLookingAwayAndBack) {
     FakePageSource source{testing::blank_page};
     Residency residency{Extent{20}, source, {}};

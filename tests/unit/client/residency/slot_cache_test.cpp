@@ -42,6 +42,44 @@ TEST(SlotCache, NeverEvictsWhatThisFrameUsesOrWhatIsPinned) {
     EXPECT_TRUE(cache.find(page(0)));
 }
 
+TEST(SlotCache, ShrinksToThePinnedAndTheLatestUsedAndMovesOnlyWhatHasNoPlace) {
+    SlotCache cache{10};
+    for (std::uint32_t x = 0; x < 8; ++x) cache.insert(page(x), x == 6);  // slots 0 to 7
+    cache.begin_frame();
+    for (const std::uint32_t x : {1u, 7u}) cache.use(*cache.find(page(x)));
+    const SlotCache::Resized resized = cache.resize(3);
+    EXPECT_EQ(resized.dropped.size(), 5u);
+    EXPECT_EQ(cache.capacity(), 3u);
+    EXPECT_EQ(*cache.find(page(1)), 1) << "its slot is there still";
+    ASSERT_EQ(resized.moves.size(), 2u);
+    for (const SlotCache::Move& move : resized.moves) {
+        EXPECT_EQ(move.from, move.page.x);
+        EXPECT_EQ(*cache.find(move.page), move.to);
+        EXPECT_LT(move.to, 3);
+    }
+    EXPECT_TRUE(cache.find(page(6)));
+    EXPECT_TRUE(cache.find(page(7)));
+    EXPECT_FALSE(cache.insert(page(20), false)) << "all are pinned or in use";
+    cache.begin_frame();
+    cache.insert(page(20), false);
+    EXPECT_TRUE(cache.find(page(6)));
+    EXPECT_TRUE(cache.resize(0).dropped.size() == 2) << "the pinned page stays";
+    EXPECT_EQ(cache.capacity(), 1u);
+    cache.resize(5);
+    for (std::uint32_t x = 30; x < 34; ++x) EXPECT_FALSE(cache.insert(page(x), false)->evicted);
+}
+
+TEST(SlotCache, KeepsWhatIsOfUseLongerThanWhatIsNot) {
+    SlotCache cache{3};
+    for (std::uint32_t x = 0; x < 3; ++x) cache.insert(page(x), false);
+    cache.begin_frame();
+    cache.use(*cache.find(page(0)));
+    cache.touch(*cache.find(page(1)));
+    EXPECT_EQ(cache.insert(page(9), false)->evicted, page(2));
+    cache.use(*cache.find(page(9)));
+    EXPECT_EQ(cache.insert(page(10), false)->evicted, page(1)) << "only if nothing else can";
+}
+
 TEST(SlotCache, HoldsEachPageInOneSlotAndOnePageInEachSlot) {
     SlotCache cache{37};
     std::map<PageKey, Slot> model;
