@@ -11,6 +11,7 @@ const most_requests = 12;
 const most_slots = 4;
 /** A page may change again between hearing of it and asking for it: so often it is asked for anew at once. */
 const most_overtaken = 4;
+const settled_after = 2000;
 
 /**
  * One picture of a page: right for the steps [from, until), with all edits up to `revision` that touched the page.
@@ -72,6 +73,7 @@ export class PageStore extends EventTarget {
   #requests = 0;
   /** The scene's revision, as far as anybody spoke of it. */
   revision = 0;
+  #news_at = -Infinity;
   /** Up to this revision it is told which pages changed. */
   told = 0;
   /** How long pages took lately, in milliseconds. */
@@ -180,6 +182,7 @@ export class PageStore extends EventTarget {
   /** Its own revision has become this one. @param {import('./texture.js').PageKey} page @param {number} revision */
   invalidate(page, revision) {
     this.revision = Math.max(this.revision, revision);
+    this.#news_at = performance.now();
     const entry = this.#entries.get(key_text(page));
     if (!entry || revision <= entry.least) return;
     entry.least = revision;
@@ -323,7 +326,9 @@ export class PageStore extends EventTarget {
   #url({page, least, sure, overtaken}, step) {
     const options = {...this.#options, step};
     // An address that names the page's own revision is never asked for twice; one of the scene's would be redirected
-    if (sure && overtaken === 0) return this.#texture.page_url(page, options, least);
+    // While edits come in, one that was not told of may be on its way: then the page is asked for as it is
+    const settled = least === this.told || performance.now() - this.#news_at > settled_after;
+    if (sure && overtaken === 0 && settled) return this.#texture.page_url(page, options, least);
     return this.revision === 0 ? this.#texture.page_url(page, options, 0) : this.#texture.page_url_now(page, options);
   }
 

@@ -1,6 +1,6 @@
 import {fetch_page} from '../page_fetch.js';
 import {key_text} from '../texture.js';
-import {box_of, box_of_page, boxes_meet} from './sprite.js';
+import {box_of_page, boxes_meet, way_of} from './sprite.js';
 
 /** The server takes so many at a time. */
 export const most_lifted = 64;
@@ -42,7 +42,7 @@ export class Carry {
     this.#options = options;
     this.#side = side;
     this.#changed = changed;
-    this.#boxes = taken.map((sprite) => box_of(sprite, side));
+    this.#boxes = taken.map((sprite) => way_of(sprite, side));
     this.#lifted = [...new Set([...taken.map(({id}) => id), ...others])].slice(0, most_lifted);
     this.sprites = sprites;
   }

@@ -6,7 +6,7 @@ import {History} from './history.js';
 import {Palette} from './palette.js';
 import {PatternImages} from './pattern_images.js';
 import {SelectionBar} from './selection_bar.js';
-import {box_around, box_of, move_between, new_sprite_id, placement_of, settled, sprite_of, transformed} from './sprite.js';
+import {at_step, box_around, box_of, changes_between, new_sprite_id, placement_of, settled, sprite_of, transformed} from './sprite.js';
 import {numbers_of, SpriteBook} from './sprite_book.js';
 import {SpriteLayer} from './sprite_layer.js';
 
@@ -90,9 +90,14 @@ export class Editor {
     return this.#selected.map((id) => this.#now(id)).filter((sprite) => sprite !== undefined);
   }
 
+  /** A sprite where it is at the step that is shown. @param {import('./sprite.js').Sprite} sprite */
+  now(sprite) {
+    return at_step(sprite, this.#map.step());
+  }
+
   /** The sprite that a click would place. */
   get placing() {
-    return this.#placing === null || !this.#texel ? null : settled({id: 0n, pattern: this.#placing, ...this.#texel, scale: 1, turn: 0, order: 0, moves: false, first_step: -Infinity, end_step: Infinity});
+    return this.#placing === null || !this.#texel ? null : settled({id: 0n, pattern: this.#placing, ...this.#texel, scale: 1, turn: 0, order: 0, path: null, first_step: -Infinity, end_step: Infinity});
   }
 
   /** What others have in their hands. */
@@ -192,7 +197,6 @@ export class Editor {
     if (!this.#carry) this.#begin_carry();
     const carry = this.#carry;
     if (!carry) return;
-    if (this.#taken.some(({moves}) => moves)) return;
     carry.sprites = transformed(this.#taken, how);
     this.#live.be_at({held: carry.sprites.length === 1 ? placement_of(carry.sprites[0]) : undefined});
     this.#show();
@@ -204,10 +208,6 @@ export class Editor {
     this.#carry = null;
     this.#live.be_at({held: undefined});
     if (!carry) return;
-    if (taken.some(({moves}) => moves)) {
-      this.#let_go(carry);
-      return this.#map.say('A sprite that moves by itself is not dragged; it can be deleted');
-    }
     this.#put(carry, taken);
   }
 
@@ -231,7 +231,7 @@ export class Editor {
     if (moved) this.draw_frame(a, b);
     const box = this.marquee;
     this.marquee = null;
-    if (box) this.#select([...new Set([...this.#selected, ...(this.book?.within(box) ?? []).map(({id}) => id)])].slice(0, most_changes));
+    if (box) this.#select([...new Set([...this.#selected, ...(this.book?.within(box, this.#map.step()) ?? []).map(({id}) => id)])].slice(0, most_changes));
     this.#show();
   }
 
@@ -263,7 +263,7 @@ export class Editor {
   duplicate() {
     const {selection} = this;
     if (selection.length === 0) return;
-    const {x0, x1} = box_around(selection.map((sprite) => box_of(sprite, this.side)));
+    const {x0, x1} = box_around(selection.map((sprite) => box_of(this.now(sprite), this.side)));
     const shift = Math.max(8, Math.min((x1 - x0) / 4, 24 * this.#map.resolution()));
     const copies = transformed(selection, {dx: shift, dy: shift}).map((sprite) => ({...sprite, id: new_sprite_id()}));
     this.#make(copies.map((sprite) => ({change: {case: 'placeSprite', value: placement_of(sprite)}})), this.#carry_of([], copies));
@@ -295,7 +295,7 @@ export class Editor {
 
   /** Makes what a carry has done to the sprites that were taken. @param {Carry} carry @param {import('./sprite.js').Sprite[]} taken */
   #put(carry, taken) {
-    const changes = carry.sprites.map((sprite, i) => move_between(taken[i], sprite)).filter((change) => change !== null);
+    const changes = carry.sprites.flatMap((sprite, i) => changes_between(taken[i], sprite));
     if (changes.length === 0) this.#let_go(carry);
     else this.#make(changes, carry);
   }
@@ -330,7 +330,7 @@ export class Editor {
 
   select_all() {
     const view = this.#map.view();
-    if (view && this.book) this.#select(this.book.within(view).map(({id}) => id).slice(0, most_changes));
+    if (view && this.book) this.#select(this.book.within(view, this.#map.step()).map(({id}) => id).slice(0, most_changes));
   }
 
   // ---- What is in the hand
@@ -435,9 +435,9 @@ export class Editor {
 
   /** All that is selected, about its common middle. @param {{dx?: number, dy?: number, turn?: number}} how */
   change_together(how) {
-    const taken = this.selection.filter(({moves}) => !moves);
+    const taken = this.selection;
     if (taken.length === 0) return;
-    const {x0, y0, x1, y1} = box_around(taken.map((sprite) => box_of(sprite, this.side)));
+    const {x0, y0, x1, y1} = box_around(taken.map((sprite) => box_of(this.now(sprite), this.side)));
     this.#put(this.#carry_of(taken, transformed(taken, {about: {x: (x0 + x1) / 2, y: (y0 + y1) / 2}, ...how})), taken);
   }
 }

@@ -1,5 +1,5 @@
 import {element, icon_button} from '../dom.js';
-import {short_decimal, with_separators} from '../numbers.js';
+import {with_separators} from '../numbers.js';
 
 /** A number with a unit behind it. @param {string} label @param {string} unit @param {(value: number) => void} change */
 function number_field(label, unit, change) {
@@ -12,7 +12,7 @@ function number_field(label, unit, change) {
     event.stopPropagation();
   });
   const show = (/** @type {number | null} */ value) => {
-    if (document.activeElement !== input) input.value = value === null ? '' : short_decimal(value);
+    if (document.activeElement !== input) input.value = value === null ? '' : String(Math.round(value * 10) / 10);
     input.placeholder = value === null ? '–' : '';
   };
   return {element: element('label', {class: 'number-field'}, element('span', {text: label}), input, element('small', {text: unit})), show};

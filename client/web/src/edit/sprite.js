@@ -1,10 +1,31 @@
 /**
  * A sprite as the editor holds it; positions in texels of level 0.
- * @typedef {{id: bigint, pattern: number, x: number, y: number, scale: number, turn: number, order: number, moves: boolean,
- *   first_step: number, end_step: number, more?: any}} Sprite `more`: what the editor keeps as it is.
+ * @typedef {{id: bigint, pattern: number, x: number, y: number, scale: number, turn: number, order: number,
+ *   first_step: number, end_step: number, path: Path | null, more?: any}} Sprite `more`: what the editor keeps as it is.
+ * @typedef {{to_x: number, to_y: number, first_step: number, steps: number, then: number}} Path How it moves by itself, from (x, y) on.
  */
 
 export const least_scale = 1 / 64, most_scale = 4;
+
+const thens = ['rest', 'repeat', 'reverse'];
+
+/** @param {any} path A SpritePath, of the stream or of JSON. @returns {Path | null} */
+function path_of(path) {
+  if (!path) return null;
+  const then = typeof path.then === 'string' ? thens.indexOf(path.then) : path.then ?? 0;
+  return {to_x: path.toX ?? path.to_x ?? 0, to_y: path.toY ?? path.to_y ?? 0, first_step: Number(path.firstStep ?? path.first_step ?? 0), steps: path.steps ?? 1, then};
+}
+
+/** Where it is at a step, as one of the same kind that rests there. @param {Sprite} sprite @param {number} step @returns {Sprite} */
+export function at_step(sprite, step) {
+  const {path} = sprite;
+  if (!path) return sprite;
+  const since = Math.max(0, step - path.first_step);
+  const turning = since % (2 * path.steps);
+  const done = path.then === 0 ? Math.min(since, path.steps) : path.then === 1 ? since % path.steps : Math.min(turning, 2 * path.steps - turning);
+  const share = done / path.steps;
+  return {...sprite, x: sprite.x + (path.to_x - sprite.x) * share, y: sprite.y + (path.to_y - sprite.y) * share};
+}
 
 /** @param {any} placed A SpritePlacement, of the stream (camelCase, BigInts) or of JSON (snake_case, text). @returns {Sprite} */
 export function sprite_of(placed) {
@@ -12,7 +33,7 @@ export function sprite_of(placed) {
   const number = (/** @type {any} */ value, /** @type {number} */ usual) => (value === undefined ? usual : Number(value));
   return {
     id: BigInt(placed.id), pattern: placed.pattern ?? 0, x: number(placed.x, 0), y: number(placed.y, 0), scale: placed.scale ?? 1,
-    turn: placed.turn ?? 0, order: placed.order ?? 0, moves: Boolean(placed.path),
+    turn: placed.turn ?? 0, order: placed.order ?? 0, path: path_of(placed.path),
     first_step: number(placed.firstStep ?? placed.first_step, -Infinity), end_step: number(placed.endStep ?? placed.end_step, Infinity),
     more: {animation: placed.animation, phase: whole(placed.phase), firstStep: whole(placed.firstStep ?? placed.first_step), endStep: whole(placed.endStep ?? placed.end_step)},
   };
@@ -22,11 +43,16 @@ export function sprite_of(placed) {
 export function settled(sprite) {
   const scale = Math.min(most_scale, Math.max(least_scale, Math.round(sprite.scale * 65536) / 65536));
   const turn = ((Math.round(sprite.turn * 65536) / 65536) % 1 + 1) % 1;
-  return {...sprite, x: Math.round(sprite.x * 256) / 256, y: Math.round(sprite.y * 256) / 256, scale, turn};
+  const whole = (/** @type {number} */ texels) => Math.round(texels * 256) / 256;
+  const path = sprite.path && {...sprite.path, to_x: whole(sprite.path.to_x), to_y: whole(sprite.path.to_y)};
+  return {...sprite, x: whole(sprite.x), y: whole(sprite.y), path, scale, turn};
 }
 
 /** A SpritePlacement. @param {Sprite} sprite */
-export const placement_of = ({id, pattern, x, y, scale, turn, order, more}) => ({id, pattern, x, y, scale, turn, order, ...more});
+export const placement_of = ({id, pattern, x, y, scale, turn, order, path, more}) => ({
+  id, pattern, x, y, scale, turn, order, ...more,
+  ...(path && {path: {toX: path.to_x, toY: path.to_y, firstStep: BigInt(path.first_step), steps: path.steps, then: path.then}}),
+});
 
 /** An id that nobody else draws. */
 export function new_sprite_id() {
@@ -51,6 +77,10 @@ export function box_of(sprite, side) {
   return {x0: Math.min(...xs) - 1, y0: Math.min(...ys) - 1, x1: Math.max(...xs) + 1, y1: Math.max(...ys) + 1};
 }
 
+/** The texels that it may colour at any step. @param {Sprite} sprite @param {number} side */
+export const way_of = (sprite, side) =>
+  box_around([box_of(sprite, side), ...(sprite.path ? [box_of({...sprite, x: sprite.path.to_x, y: sprite.path.to_y}, side)] : [])]);
+
 /** @param {{x0: number, y0: number, x1: number, y1: number}} a @param {{x0: number, y0: number, x1: number, y1: number}} b */
 export const boxes_meet = (a, b) => a.x0 < b.x1 && b.x0 < a.x1 && a.y0 < b.y1 && b.y0 < a.y1;
 
@@ -72,16 +102,25 @@ export function box_of_page({level, x, y}) {
  */
 export function transformed(sprites, {dx = 0, dy = 0, scale = 1, turn = 0, about = {x: 0, y: 0}}) {
   const [cos, sin] = [Math.cos(turn * 2 * Math.PI) * scale, Math.sin(turn * 2 * Math.PI) * scale];
+  const moved = (/** @type {number} */ x, /** @type {number} */ y) => {
+    const [u, v] = [x - about.x, y - about.y];
+    return [about.x + u * cos - v * sin + dx, about.y + u * sin + v * cos + dy];
+  };
   return sprites.map((sprite) => {
-    const [u, v] = [sprite.x - about.x, sprite.y - about.y];
-    return settled({...sprite, x: about.x + u * cos - v * sin + dx, y: about.y + u * sin + v * cos + dy, scale: sprite.scale * scale, turn: sprite.turn + turn});
+    const [x, y] = moved(sprite.x, sprite.y);
+    const [to_x, to_y] = sprite.path ? moved(sprite.path.to_x, sprite.path.to_y) : [0, 0];
+    return settled({...sprite, x, y, path: sprite.path && {...sprite.path, to_x, to_y}, scale: sprite.scale * scale, turn: sprite.turn + turn});
   });
 }
 
-/** The change that makes `from` what `to` is; null if there is none. @param {Sprite} from @param {Sprite} to */
-export function move_between(from, to) {
+/** The changes that make `from` what `to` is; none if they are alike. @param {Sprite} from @param {Sprite} to */
+export function changes_between(from, to) {
   const names = /** @type {const} */ (['x', 'y', 'scale', 'turn', 'order', 'pattern']);
   const different = names.filter((name) => from[name] !== to[name]);
-  if (different.length === 0) return null;
-  return {change: {case: 'moveSprite', value: Object.fromEntries([['id', to.id], ...different.map((name) => [name, to[name]])])}};
+  if (from.path && to.path && (from.path.to_x !== to.path.to_x || from.path.to_y !== to.path.to_y)) {
+    // A move leaves the path where it is: the sprite is taken away and placed with all of its way
+    return [{change: {case: 'removeSprite', value: {id: from.id}}}, {change: {case: 'placeSprite', value: placement_of(to)}}];
+  }
+  if (different.length === 0) return [];
+  return [{change: {case: 'moveSprite', value: Object.fromEntries([['id', to.id], ...different.map((name) => [name, to[name]])])}}];
 }

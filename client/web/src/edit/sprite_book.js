@@ -1,5 +1,5 @@
 import {ask, refusal} from '../server.js';
-import {box_of, boxes_meet, drawn_before, sprite_of} from './sprite.js';
+import {at_step, box_of, boxes_meet, drawn_before, sprite_of} from './sprite.js';
 
 const most_edits = 256;
 /** A sprite on screen can be taken hold of in a square of at least so many pixels. */
@@ -66,21 +66,24 @@ export class SpriteBook extends EventTarget {
   at({x, y}, resolution, step) {
     const least_half = (least_hold_pixels / 2) * resolution;
     for (let i = this.list.length - 1; i >= 0; --i) {
-      const sprite = this.list[i];
+      const sprite = at_step(this.list[i], step);
       const whole = this.#patterns.side * sprite.scale;
       const [dx, dy] = [x - sprite.x, y - sprite.y];
       if (Math.max(Math.abs(dx), Math.abs(dy)) > Math.max(whole, least_half)) continue;
       if (step < sprite.first_step || step >= sprite.end_step) continue;
-      if (whole / 2 < least_half && Math.abs(dx) < least_half && Math.abs(dy) < least_half) return sprite;
+      if (whole / 2 < least_half && Math.abs(dx) < least_half && Math.abs(dy) < least_half) return this.list[i];
       const [cos, sin] = [Math.cos(sprite.turn * 2 * Math.PI), Math.sin(sprite.turn * 2 * Math.PI)];
-      if (this.#patterns.covers(sprite.pattern, (dx * cos + dy * sin) / whole + 0.5, (dy * cos - dx * sin) / whole + 0.5)) return sprite;
+      if (this.#patterns.covers(sprite.pattern, (dx * cos + dy * sin) / whole + 0.5, (dy * cos - dx * sin) / whole + 0.5)) return this.list[i];
     }
     return undefined;
   }
 
-  /** Those whose middle lies in a box. @param {{x0: number, y0: number, x1: number, y1: number}} box */
-  within({x0, y0, x1, y1}) {
-    return this.list.filter(({x, y}) => x0 <= x && x < x1 && y0 <= y && y < y1);
+  /** Those whose middle lies in a box at a step. @param {{x0: number, y0: number, x1: number, y1: number}} box @param {number} step */
+  within({x0, y0, x1, y1}, step) {
+    return this.list.filter((sprite) => {
+      const {x, y} = at_step(sprite, step);
+      return x0 <= x && x < x1 && y0 <= y && y < y1;
+    });
   }
 
   /** An edit was made. @param {any[]} changes @param {number} revision @param {any[]} dirty */

@@ -56,7 +56,7 @@ export class SpriteLayer extends Layer {
       }
       context.clip();
     }
-    for (const sprite of [...carry.sprites].sort(drawn_before)) this.#draw_sprite(sprite, 1);
+    for (const sprite of [...carry.sprites].sort(drawn_before)) this.#draw_sprite(this.#editor.now(sprite), 1);
     context.restore();
   }
 
@@ -101,11 +101,12 @@ export class SpriteLayer extends Layer {
   #draw_others() {
     for (const {colour, held, selected} of this.#editor.others) {
       if (held) {
-        this.#draw_sprite(held, 0.8);
-        this.#outline(held);
+        const there = this.#editor.now(held);
+        this.#draw_sprite(there, 0.8);
+        this.#outline(there);
         this.#stroke(colour, 1.5, [5, 4]);
       }
-      for (const sprite of selected) {
+      for (const sprite of selected.map((sprite) => this.#editor.now(sprite))) {
         if (held?.id === sprite.id || !boxes_meet(box_of(sprite, this.#editor.side), this.#canvas.box)) continue;
         this.#outline(sprite);
         this.#stroke(colour, 1.5);
@@ -115,7 +116,9 @@ export class SpriteLayer extends Layer {
 
   #draw_selection() {
     const {context, ratio} = this.#canvas;
-    const {selection, hovered, placing, marquee} = this.#editor;
+    const {placing, marquee} = this.#editor;
+    const selection = this.#editor.selection.map((sprite) => this.#editor.now(sprite));
+    const hovered = this.#editor.hovered && this.#editor.now(this.#editor.hovered);
     if (placing) this.#draw_sprite(placing, 0.75);
     if (hovered && !selection.some(({id}) => id === hovered.id)) {
       this.#outline(hovered);
@@ -160,7 +163,8 @@ export class SpriteLayer extends Layer {
 
   /** @returns {Frame | null} Null without a selection. */
   frame() {
-    const {selection, side} = this.#editor;
+    const {side} = this.#editor;
+    const selection = this.#editor.selection.map((sprite) => this.#editor.now(sprite));
     if (selection.length === 0 || !this.#canvas.scale) return null;
     const css = (/** @type {{x: number, y: number}} */ {x, y}) => [this.#canvas.left(x) / this.#canvas.ratio, this.#canvas.top(y) / this.#canvas.ratio];
     let texels = corners_of(selection[0], side);
