@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "server/http/server.h"
 #include "server/progress/progress.h"
@@ -64,6 +65,7 @@ struct LiveServer {
         moving->steps_per_second = 4;
         moving->loop_steps = 100;
         add(moving);
+        for (const ScenePtr& scene : more) add(scene);
         SilentProgress progress;
         server->edits().adopt(*catalog, progress);
         server->publish(std::move(catalog), WebFiles::plain(), std::move(access));
@@ -75,6 +77,7 @@ struct LiveServer {
     RawClient http() const { return RawClient{server->port()}; }
     ScenePtr now() { return server->edits().find("made")->now(); }
 
+    std::vector<ScenePtr> more;  ///< That are published, too.
     std::shared_ptr<GatedTexture> gated = std::make_shared<GatedTexture>();
     std::unique_ptr<Server> server;
 };

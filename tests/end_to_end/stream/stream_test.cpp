@@ -1,4 +1,6 @@
 // The stream over real sockets: what a client that follows the rules sees.
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <set>
 #include <thread>
@@ -6,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "server/access/token.h"
+#include "server/scene/png_file.h"
 #include "tests/end_to_end/stream/live_server.h"
 #include "tests/support/temporary_folder.h"
 
@@ -401,8 +404,21 @@ TEST(Stream, PagesOfASceneThatMovesSayInWhichStepsTheyAreRight) {
 }
 
 TEST(Stream, TellsEverybodyWhenTheClockIsSet) {
+    // Only a scene of a folder takes edits of more than sprites
+    const tests::TemporaryFolder folder;
+    const auto scene = folder.path / "sprites";
+    std::filesystem::create_directories(scene);
+    const std::string png = [] {
+        const auto bytes = to_png(16, 64, PngColor::rgba, 8, std::vector<std::uint8_t>(16 * 64 * 4, 200));
+        return std::string{bytes.begin(), bytes.end()};
+    }();
+    std::ofstream{scene / "patterns.png", std::ios::binary} << png;
+    std::ofstream{scene / "scene.json"} << R"({"checker": {"cell_texels": 8}, "extent_log2_pages": 6,
+        "sprites": {"patterns": {"image": "patterns.png", "side_texels": 16}}})";
     LiveServer live;
-    StreamClient editor = live.stream(), viewer = live.stream();
+    live.more.push_back(load_scene(scene).value());
+    live.publish();
+    StreamClient editor = live.stream("sprites"), viewer = live.stream("sprites");
     ASSERT_TRUE(editor.hello());
     ASSERT_TRUE(viewer.hello());
     proto::Edit edit = new_edit();
@@ -410,16 +426,20 @@ TEST(Stream, TellsEverybodyWhenTheClockIsSet) {
     change.set_playing(false);
     change.set_step(1234);
     editor.send(message_of(edit));
-    ASSERT_TRUE(editor.receive(Case::kEditDone));
-    for (StreamClient* client : {&editor, &viewer}) {
-        const auto told = client->receive(Case::kClock);
-        ASSERT_TRUE(told);
-        EXPECT_FALSE(told->clock().playing());
-        EXPECT_EQ(told->clock().step(), 1234);
-        EXPECT_EQ(told->clock().step_part(), 0);
+    proto::ClockNow told_editor;
+    ASSERT_TRUE(editor.receive(Case::kEditDone, 10s, [&](const proto::ServerMessage& other) {
+        EXPECT_FALSE(other.has_edit_refused()) << other.edit_refused().detail();
+        if (other.has_clock()) told_editor = other.clock();
+    }));
+    const auto told = viewer.receive(Case::kClock);
+    ASSERT_TRUE(told);
+    for (const proto::ClockNow& clock : {told->clock(), told_editor}) {
+        EXPECT_FALSE(clock.playing());
+        EXPECT_EQ(clock.step(), 1234);
+        EXPECT_EQ(clock.step_part(), 0);
     }
     // and whoever comes later
-    StreamClient late = live.stream();
+    StreamClient late = live.stream("sprites");
     const auto hello = late.hello();
     ASSERT_TRUE(hello);
     EXPECT_EQ(hello->clock().step(), 1234);
