@@ -127,6 +127,10 @@ class BackgroundStreamClient::Worker final : public StreamListener {
         const std::lock_guard lock{mutex_};
         return hello_;
     }
+    std::uint64_t newest_revision() const {
+        const std::lock_guard lock{mutex_};
+        return news_.newest_revision;
+    }
     StreamStatus status() const {
         const std::lock_guard lock{mutex_};
         StreamStatus now = status_;
@@ -278,6 +282,7 @@ SceneClock::Time BackgroundStreamClient::clock_time() {
         std::chrono::duration_cast<milliseconds>(std::chrono::steady_clock::now().time_since_epoch())};
 }
 std::optional<proto::ServerHello> BackgroundStreamClient::hello() const { return worker_->hello(); }
+std::uint64_t BackgroundStreamClient::newest_revision() const { return worker_->newest_revision(); }
 StreamStatus BackgroundStreamClient::status() const { return worker_->status(); }
 bool BackgroundStreamClient::wait_for_news(milliseconds timeout) { return worker_->wait_for_news(timeout); }
 

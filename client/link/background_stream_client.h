@@ -74,6 +74,8 @@ class BackgroundStreamClient {
     /// The last; nothing before the first connection.
     std::optional<proto::ServerHello> hello() const;
     StreamStatus status() const;
+    /// The newest revision of the scene that was heard of.
+    std::uint64_t newest_revision() const;
 
     /// Waits until something was told since the last call, or `timeout` has passed; true in the first case.
     bool wait_for_news(std::chrono::milliseconds timeout);

@@ -90,23 +90,23 @@ asio::awaitable<error_code> HttpConnection::open() {
     co_return error_code{};
 }
 
-std::string HttpConnection::request_head(std::string_view verb, std::string_view target,
-                                         const HttpFields& fields) const {
-    std::string head{verb};
-    head.append(" ")
-        .append(target)
+asio::awaitable<HttpConnection::Attempt> HttpConnection::attempt(std::string_view target,
+                                                                 const HttpFields& fields) {
+    Attempt attempt;
+    std::string request = "GET ";
+    request.append(target)
         .append(" HTTP/1.1\r\nHost: ")
         .append(authority_)
         .append("\r\nUser-Agent: tessera\r\n");
     for (const auto& field : fields) {
         const auto name = field.name_string(), value = field.value();
-        head.append(name.data(), name.size()).append(": ").append(value.data(), value.size()).append("\r\n");
+        request.append(name.data(), name.size())
+            .append(": ")
+            .append(value.data(), value.size())
+            .append("\r\n");
     }
-    return head;
-}
+    request.append("\r\n");
 
-asio::awaitable<HttpConnection::Attempt> HttpConnection::attempt(std::string_view request) {
-    Attempt attempt;
     stream_.expires_after(limits_.request_timeout);
     attempt.doing = "sending the request";
     const auto [send_error, sent] = co_await asio::async_write(stream_, asio::buffer(request), as_result);
@@ -139,28 +139,16 @@ asio::awaitable<HttpConnection::Attempt> HttpConnection::attempt(std::string_vie
 }
 
 asio::awaitable<Result<HttpReply>> HttpConnection::get(std::string_view target, const HttpFields& fields) {
-    return ask(request_head("GET", target, fields).append("\r\n"));
-}
-
-asio::awaitable<Result<HttpReply>> HttpConnection::post(std::string_view target, std::string_view body,
-                                                        const HttpFields& fields) {
-    return ask(request_head("POST", target, fields)
-                   .append("Content-Length: ")
-                   .append(std::to_string(body.size()))
-                   .append("\r\n\r\n")
-                   .append(body));
-}
-
-asio::awaitable<Result<HttpReply>> HttpConnection::ask(std::string request) {
     // Cancellation ends the operation under way and comes back as its error; our caller keeps its own habit
     const bool throws = co_await asio::this_coro::throw_if_cancelled();
     co_await asio::this_coro::throw_if_cancelled(false);
-    Result<HttpReply> reply = co_await ask_or_reconnect(request);
+    Result<HttpReply> reply = co_await get_or_reconnect(target, fields);
     co_await asio::this_coro::throw_if_cancelled(throws);
     co_return reply;
 }
 
-asio::awaitable<Result<HttpReply>> HttpConnection::ask_or_reconnect(std::string_view request) {
+asio::awaitable<Result<HttpReply>> HttpConnection::get_or_reconnect(std::string_view target,
+                                                                    const HttpFields& fields) {
     closed_by_us_ = false;
     for (;;) {
         const bool was_idle = is_open_;
@@ -170,7 +158,7 @@ asio::awaitable<Result<HttpReply>> HttpConnection::ask_or_reconnect(std::string_
                 co_return describe(error, "connecting");
             }
         }
-        Attempt tried = co_await attempt(request);
+        Attempt tried = co_await attempt(target, fields);
         if (!tried.error) {
             stream_.expires_never();
             co_return std::move(tried.reply);

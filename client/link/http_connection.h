@@ -48,13 +48,7 @@ class HttpConnection {
     /// Asks a second time, once, if a connection that had been idle turns out to be closed by the server.
     boost::asio::awaitable<Result<HttpReply>> get(std::string_view target, const HttpFields& fields = {});
 
-    /// POSTs `body`, whose type is among `fields`. As get(): it may be sent twice, so that it must be
-    /// harmless to.
-    boost::asio::awaitable<Result<HttpReply>> post(std::string_view target, std::string_view body,
-                                                   const HttpFields& fields);
-
-    /// Closes the connection; a running get() or post() ends soon with `cancelled`. The next one opens a
-    /// new connection.
+    /// Closes the connection; a running get() ends soon with `cancelled`. The next get() opens a new one.
     void close();
 
     bool is_open() const noexcept { return is_open_; }
@@ -66,11 +60,10 @@ class HttpConnection {
 
   private:
     struct Attempt;
-    boost::asio::awaitable<Result<HttpReply>> ask(std::string request);
-    boost::asio::awaitable<Result<HttpReply>> ask_or_reconnect(std::string_view request);
+    boost::asio::awaitable<Result<HttpReply>> get_or_reconnect(std::string_view target,
+                                                               const HttpFields& fields);
     boost::asio::awaitable<boost::system::error_code> open();
-    boost::asio::awaitable<Attempt> attempt(std::string_view request);
-    std::string request_head(std::string_view verb, std::string_view target, const HttpFields& fields) const;
+    boost::asio::awaitable<Attempt> attempt(std::string_view target, const HttpFields& fields);
     Error describe(boost::system::error_code error, std::string_view doing) const;
 
     ServerAddress server_;

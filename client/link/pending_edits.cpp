@@ -48,15 +48,17 @@ bool PendingEdits::may_send() const {
     return std::ranges::count_if(edits_, &Entry::sent) < most_on_the_way;
 }
 
-const proto::Edit* PendingEdits::take_due(Time now) {
+const proto::Edit* PendingEdits::take_due(Time now, std::uint64_t newest_revision) {
     if (!may_send()) return nullptr;
     for (Entry& entry : edits_) {
         if (entry.sent || entry.due > now) continue;
         entry.sent = true;
-        if (entry.sends++ > 0)
+        if (entry.sends++ > 0) {
             ++sent_again_;
-        else
+        } else {
             entry.history = history_;
+            if (entry.edit.known_revision() == 0) entry.edit.set_known_revision(newest_revision);
+        }
         return &entry.edit;
     }
     return nullptr;

@@ -36,8 +36,9 @@ class PendingEdits {
     /// edit was sent to, nobody can say whether it is in: these end as unknown.
     std::vector<Ended> opened(std::string_view history);
 
-    /// The next edit to be sent, which counts as sent from now on. Null: none is due.
-    const proto::Edit* take_due(Time now);
+    /// The next edit to be sent, which counts as sent from now on. Null: none is due. One that is sent for
+    /// the first time knows `newest_revision`, if it does not say what it knows.
+    const proto::Edit* take_due(Time now, std::uint64_t newest_revision);
     /// When the next will be due, if none is now and another may be on the way.
     std::optional<Time> next_due() const;
 

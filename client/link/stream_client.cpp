@@ -88,7 +88,6 @@ void StreamClient::State::watch(std::vector<proto::Window> windows, std::uint64_
 std::string StreamClient::State::edit(proto::Edit edit, PendingEdits::Completion done) {
     if (edits_.size() >= settings_.max_edits) return "";
     if (edit.id().empty()) edit.set_id(new_edit_id());
-    if (edit.known_revision() == 0) edit.set_known_revision(newest_revision_);
     std::string id = edit.id();
     if (edit.ByteSizeLong() > most_edit_bytes) {
         asio::post(executor_, [self = shared_from_this(), id, done = std::move(done)] {

@@ -144,7 +144,7 @@ std::optional<proto::ClientMessage> StreamClient::State::next_message(Line& line
     }
     if (write_windows(line, message) || write_credits(line, message) || write_asks(line, message))
         return message;
-    if (const proto::Edit* edit = edits_.take_due(now)) {
+    if (const proto::Edit* edit = edits_.take_due(now, newest_revision_)) {
         *message.mutable_edit() = *edit;
         return message;
     }

@@ -75,7 +75,9 @@ asio::awaitable<proto::ClientHello> StreamPeer::greet(std::function<void(proto::
 }
 
 asio::awaitable<void> StreamPeer::stay() {
-    while (co_await hear(proto::ClientMessage::MESSAGE_NOT_SET)) {
+    for (;;) {  // GCC 12 never leaves a while whose condition awaits a temporary
+        const auto message = co_await hear(proto::ClientMessage::MESSAGE_NOT_SET);
+        if (!message) co_return;
     }
 }
 

@@ -91,7 +91,7 @@ TEST(StreamEdits, OfAnotherHistoryNobodyKnowsWhetherItIsIn) {
         co_await peer.greet(change);
         if (n == 0) co_await peer.hear(proto::ClientMessage::kEdit);
         if (n == 0) co_return;
-        while (co_await peer.hear(proto::ClientMessage::kEdit)) ++edits;
+        while (const auto message = co_await peer.hear(proto::ClientMessage::kEdit)) ++edits;
     }};
     ASSERT_TRUE(one.ends());
     EXPECT_EQ(one.why(), proto::EditRefused::unknown);
