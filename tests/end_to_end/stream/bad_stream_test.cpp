@@ -36,7 +36,7 @@ std::string frame(char first, std::uint64_t length, const std::string& payload) 
     }
     return bytes + std::string(4, '\0') + payload;
 }
-constexpr char binary = '\x82', text = '\x81', ping = '\x89';
+constexpr char binary = '\x82', ping = '\x89';
 
 /// A client that sends what it likes once the connection is a WebSocket.
 RawClient raw_stream(const LiveServer& live) {
