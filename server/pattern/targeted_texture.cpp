@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
 
 #include "server/blocks/animation_op.h"
+#include "server/pattern/descent.h"
 
 namespace tessera {
 namespace {
@@ -28,16 +30,21 @@ constexpr std::size_t most_blocks(Accuracy accuracy) noexcept {
 struct Looking {
     std::vector<TargetLaw> laws;
     int cell_log2 = max_level;  ///< Of the finest cells that look at targets.
+    bool one_grid = true;       ///< All of them are of that size, and keep to their own cells.
+    bool in_blocks = false;     ///< A composite, which looks at blocks of texels.
     std::int64_t margin = 0;    ///< Texels that what a cell shows may hang over its middle, along an axis.
     std::int64_t reach = 0;     ///< Of the law that reaches furthest.
 };
 
-Looking looking_of(const Plan& plan) {
-    Looking looking{.laws = plan.target_laws};
+Looking looking_of(const Texture& pattern, const Plan& plan) {
+    Looking looking{.laws = plan.target_laws,
+                    .in_blocks = dynamic_cast<const Composite*>(&pattern) != nullptr};
     for (const PlannedTexture& texture : plan.textures) {
         const auto* cells = std::get_if<ReferencePlan>(&texture.what);
         if (cells == nullptr || !cells->program->looks_at_targets()) continue;
         const std::int64_t side = std::int64_t{1} << cells->grid.cell_log2;
+        looking.one_grid &= looking.cell_log2 == max_level || looking.cell_log2 == cells->grid.cell_log2;
+        looking.one_grid &= !cells->transform || !cells->transform->overflow;
         looking.cell_log2 = std::min(looking.cell_log2, cells->grid.cell_log2);
         // Half a cell to its border, and a cell more that an instance may hang over
         const bool overflows = cells->transform && cells->transform->overflow;
@@ -72,7 +79,7 @@ class TargetedTexture final : public PatternTexture {
     Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
                                 LinearImage& out) const override {
         if (!reached(region)) return pattern_->evaluate(region, budget, out);
-        if (region.level <= looking_->cell_log2) return pattern_->evaluate(seeing(region), budget, out);
+        if (region.level <= looking_->cell_log2) return evaluate_cells(region, budget, out);
         auto done = pattern_->evaluate(region, budget, out);
         if (!done) return done;
         return add_changes(region, budget, *done, out);
@@ -80,7 +87,7 @@ class TargetedTexture final : public PatternTexture {
     Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
                                 Rgba8Image& out) const override {
         if (!reached(region)) return pattern_->evaluate(region, budget, out);
-        if (region.level <= looking_->cell_log2) return pattern_->evaluate(seeing(region), budget, out);
+        if (region.level <= looking_->cell_log2) return evaluate_cells(region, budget, out);
         return Texture::evaluate(region, budget, out);
     }
     TexelKind texel_kind() const noexcept override { return pattern_->texel_kind(); }
@@ -114,6 +121,43 @@ class TargetedTexture final : public PatternTexture {
         return std::any_of(distances_.laws.begin(), distances_.laws.end(), [&](const TargetDistance& law) {
             return law.ever_near({box.x0 - margin, box.y0 - margin}, {box.x1 + margin, box.y1 + margin});
         });
+    }
+
+    /// Up to the level of the cells: where all of them show their first frame, as if there were no targets,
+    /// but for a while only.
+    template <class Image>
+    Result<Evaluation> evaluate_cells(const TexelRegion& region, const Budget& budget, Image& out) const {
+        const auto rest = rest_of(region);
+        if (!rest) return pattern_->evaluate(seeing(region), budget, out);
+        auto done = pattern_->evaluate(region, budget, out);
+        if (done) done->validity.meet(*rest);
+        return done;
+    }
+    std::optional<Validity> rest_of(const TexelRegion& region) const noexcept {
+        if (!looking_->one_grid) return std::nullopt;
+        const int log2 = looking_->cell_log2;
+        TexelRegion whole = region;
+        if (looking_->in_blocks) {
+            constexpr std::int64_t side = std::int64_t{1} << block_log2;
+            whole.x = region.x & -side;
+            whole.y = region.y & -side;
+            whole.width = static_cast<std::int32_t>(((region.x + region.width + side - 1) & -side) - whole.x);
+            whole.height =
+                static_cast<std::int32_t>(((region.y + region.height + side - 1) & -side) - whole.y);
+        }
+        const TexelBox box = texels_of(whole);
+        const std::int64_t side = std::int64_t{1} << log2, left = box.x0 >> log2, top = box.y0 >> log2;
+        const MotionLattice middles{{left * side + side / 2, top * side + side / 2},
+                                    side,
+                                    ((box.x1 - 1) >> log2) - left + 1,
+                                    ((box.y1 - 1) >> log2) - top + 1};
+        Validity all;
+        for (const TargetDistance& law : distances_.laws) {
+            const auto rest = law.rest_of(middles, region.step);
+            if (!rest) return std::nullopt;
+            all.meet(*rest);
+        }
+        return all;
     }
 
     /// Row and column of blocks of cells.
@@ -261,7 +305,7 @@ class TargetedTexture final : public PatternTexture {
 
 std::shared_ptr<const Texture> make_targeted_texture(std::shared_ptr<const Texture> pattern, const Plan& plan,
                                                      std::span<const MovingTarget> targets) {
-    auto looking = std::make_shared<const Looking>(looking_of(plan));
+    auto looking = std::make_shared<const Looking>(looking_of(*pattern, plan));
     if (looking->laws.empty()) return pattern;
     return std::make_shared<TargetedTexture>(std::move(pattern), std::move(looking), targets);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -70,6 +71,13 @@ struct MotionRow {
     std::int32_t count = 0;    ///< (count − 1) · spacing is below 2^40.
 };
 
+/// Places on a rectangle: (first.x + i · spacing, first.y + j · spacing).
+struct MotionLattice {
+    MotionPoint first;
+    std::int64_t spacing = 1;            ///< At least 1.
+    std::int64_t columns = 1, rows = 1;  ///< At least 1; the whole is below 2^41.
+};
+
 /// Frames by distance to the nearest target ("triggered by the distance to the two balls", figure 21 a): at
 /// `far` texels and beyond the first frame, towards `near` the last, each for as much of the way between as
 /// it has steps in the time line. Frames go up and down with the distance; one is left out only where a
@@ -95,6 +103,10 @@ class TargetDistance {
     /// steps in which none of these frames changes. Where no target ever comes near this takes no time.
     void shown_along(const MotionRow& row, Step step, std::int32_t* frames, Validity* validity) const;
 
+    /// Where all places show the first frame: the steps around `step` in which they do. None where some show
+    /// another, and where that takes long to tell. Takes a few bisections for each leg that comes near.
+    std::optional<Validity> rest_of(const MotionLattice& places, Step step) const noexcept;
+
     /// Whether any target may ever be near any place of a box, whose corners are in it: no is certain.
     bool ever_near(MotionPoint least, MotionPoint most) const noexcept;
     std::int64_t reach() const noexcept {
@@ -111,9 +123,12 @@ class TargetDistance {
     /// Where it changed last; always, if not after `limit`.
     Step last_change(const MovingTarget& target, MotionPoint cell, Step step, Step limit) const noexcept;
     bool ever_near(const MovingTarget& target, MotionPoint cell) const noexcept;
+    class Approach;
     bool ever_near(const MovingTarget& target, MotionPoint least, MotionPoint most) const noexcept;
     void frames_of(const MovingTarget& target, const MotionRow& row, Step step,
                    std::span<std::int32_t> frames) const noexcept;
+    bool stays_on(const MovingTarget::Walk& walk, MotionPoint cell, std::int32_t frame,
+                  const Validity& within) const noexcept;
     void narrow(const MovingTarget& target, const MotionRow& row, Step step,
                 std::span<const std::int32_t> frames, Validity& validity) const noexcept;
 

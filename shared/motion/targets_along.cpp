@@ -24,14 +24,6 @@ double distance_to(const MotionPoint& from, const MotionPoint& to, double x, dou
 
 bool is_one_step(const Validity& validity) noexcept { return validity.until - 1 == validity.from; }
 
-/// The longer way from `step` to an end of `validity`: in the steps before that a place matters only if its
-/// frame changes.
-double horizon(const Validity& validity, Step step) noexcept {
-    const double until = static_cast<double>(validity.until) - static_cast<double>(step);
-    const double from = static_cast<double>(step) - static_cast<double>(validity.from);
-    return std::max(until, from);
-}
-
 }  // namespace
 
 bool TargetDistance::ever_near(const MovingTarget& target, MotionPoint cell) const noexcept {
@@ -96,25 +88,59 @@ void TargetDistance::frames_of(const MovingTarget& target, const MotionRow& row,
     }
 }
 
-/// Asks the law about those places that may be passed by a ring before the interval ends that is known so
-/// far: the interval shrinks quickly, and few are left.
+/// Whether a place shows `frame` in all of `within`, as far as one walk tells: its frames rise and then fall.
+bool TargetDistance::stays_on(const MovingTarget::Walk& walk, MotionPoint cell, std::int32_t frame,
+                              const Validity& within) const noexcept {
+    const std::int64_t first = within.from - walk.begin, last = within.until - 1 - walk.begin;
+    if (within.from < walk.begin || first < 0 || last < first || last > walk.steps) return false;
+    if (frame_on(walk, cell, first) != frame || frame_on(walk, cell, last) != frame) return false;
+    const double bx = static_cast<double>(walk.by.x), by = static_cast<double>(walk.by.y);
+    const double length = bx * bx + by * by;
+    if (length == 0) return true;
+    const double along =
+        (static_cast<double>(cell.x - walk.from.x) * bx + static_cast<double>(cell.y - walk.from.y) * by) /
+        length * static_cast<double>(walk.steps);
+    if (along < static_cast<double>(first) - 2 || along > static_cast<double>(last) + 2) return true;
+    const auto near = static_cast<std::int64_t>(along);
+    for (std::int64_t moved = std::max(near - 2, first); moved <= std::min(near + 3, last); ++moved)
+        if (frame_on(walk, cell, moved) != frame) return false;
+    return true;
+}
+
+/// Asks the law about those places that a ring may pass within so many steps, and about more steps only where
+/// none is passed: then few places are asked about.
 void TargetDistance::narrow(const MovingTarget& target, const MotionRow& row, Step step,
                             std::span<const std::int32_t> frames, Validity& validity) const noexcept {
     const MovingTarget::Place place = target.at(step);
     const double parts = static_cast<double>(place.parts);
     const double x = static_cast<double>(place.x - row.first.x) + static_cast<double>(place.x_rest) / parts;
     const double y = static_cast<double>(place.y - row.first.y) + static_cast<double>(place.y_rest) / parts;
-    double way = target.speed() * horizon(validity, step) + margin;
     const auto spacing = static_cast<double>(row.spacing);
-    for (std::int32_t i = 0; i < row.count; ++i) {
-        const double dx = i * spacing - x, distance = std::sqrt(dx * dx + y * y);
-        const auto frame = static_cast<std::size_t>(frames[static_cast<std::size_t>(i)]);
-        const bool comes = frame < reach_.size() && distance - static_cast<double>(reach_[frame]) < way;
-        const bool goes = frame > 0 && static_cast<double>(reach_[frame - 1]) - distance < way;
-        if (!comes && !goes) continue;
-        validity.meet(shown_at({x_of(row, i), row.first.y}, step, validity).validity);
-        if (is_one_step(validity)) return;
-        way = target.speed() * horizon(validity, step) + margin;
+    const MotionPoint last{x_of(row, row.count - 1), row.first.y};
+    const bool alone = std::none_of(targets_.begin(), targets_.end(), [&](const MovingTarget& other) {
+        return &other != &target && ever_near(other, row.first, last);
+    });
+    for (std::int64_t ahead = 1;; ahead *= 8) {
+        Validity within = validity;
+        within.meet({add_steps(step, -ahead), add_steps(step, ahead + 1)});
+        const double way = target.speed() * static_cast<double>(ahead) + margin;
+        for (std::int32_t i = 0; i < row.count; ++i) {
+            const double dx = i * spacing - x, distance = std::sqrt(dx * dx + y * y);
+            const auto frame = static_cast<std::size_t>(frames[static_cast<std::size_t>(i)]);
+            const bool comes = frame < reach_.size() && distance - static_cast<double>(reach_[frame]) < way;
+            const bool goes = frame > 0 && static_cast<double>(reach_[frame - 1]) - distance < way;
+            if (!comes && !goes) continue;
+            const MotionPoint cell{x_of(row, i), row.first.y};
+            if (alone && stays_on(target.walk_at(step), cell, static_cast<std::int32_t>(frame), within))
+                continue;
+            validity.meet(shown_at(cell, step, within).validity);
+            if (is_one_step(validity)) return;
+            within.meet(validity);
+        }
+        // Known as far as anybody asks, or for a whole round
+        if ((validity.until <= add_steps(step, ahead) && validity.from > add_steps(step, -ahead)) ||
+            ahead >= round_)
+            return;
     }
 }
 

@@ -1,8 +1,10 @@
 // What it costs to tell in which steps a page stays the same, against the page's evaluation, one core.
 //   build/release/bin/validity_bench
 // prints the median time of a page of codes at each level, of its cells' decisions without and with the
-// interval, and the difference in percent of the page. Returns 1 if that is more than 5 percent.
+// interval, and the difference in percent of the page. Returns 1 if that is more than 5 percent where the
+// clock drives the cells; where targets do, it only prints.
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <ctime>
 #include <string>
@@ -10,14 +12,17 @@
 
 #include <google/protobuf/util/json_util.h>
 
+#include "server/blocks/animation_op.h"
 #include "server/blocks/plan.h"
 #include "server/pattern/pattern_texture.h"
+#include "server/pattern/targeted_texture.h"
 #include "tests/support/made_patterns.h"
 
 namespace tessera {
 namespace {
 
 constexpr double most_percent = 5;
+constexpr int runs = 41;
 
 class MadeFiles final : public BlockFiles {
   public:
@@ -64,34 +69,65 @@ double median_of(const Run& run) {
         return static_cast<double>(time.tv_sec) * 1e6 + static_cast<double>(time.tv_nsec) / 1e3;
     };
     std::vector<double> times;
-    for (int i = 0; i < 41; ++i) {
+    for (int i = 0; i < runs; ++i) {
         const double begun = now();
         run(i);
         times.push_back(now() - begun);
     }
-    std::nth_element(times.begin(), times.begin() + 20, times.end());
-    return times[20];
+    std::nth_element(times.begin(), times.begin() + runs / 2, times.end());
+    return times[runs / 2];
 }
 
+/// A ball that crosses the pages that are measured, fifty steps each, and one that never comes near.
+std::vector<MovingTarget> balls(int level) {
+    const std::int64_t page = std::int64_t{256} << level, y = 3 * page + page / 2;
+    const std::array<MovingTarget::Leg, 2> near{{{{0, y}, 2500}, {{50 * page, y + 40}, 2500}}};
+    const std::array<MovingTarget::Leg, 2> far{{{{0, -900 * page}, 2500}, {{40 * page, -900 * page}, 2500}}};
+    return {{near, 0}, {far, 0}};
+}
+Step any_step(int page) { return 1000 + 7 * page; }
+Step ball_comes(int page) { return 50 * page - 375; }
+Step ball_is_there(int page) { return 50 * page + 25; }
+
 /// Returns whether it keeps the limit.
-bool measure(const char* name, const std::string& animation) {
+bool measure(const char* name, const std::string& animation, Step (*step_of)(int) = any_step) {
     const Plan plan = plan_of(animation);
-    const auto texture = make_pattern_texture(plan);
+    const auto pattern = make_pattern_texture(plan);
     const ReferencePlan& cells = std::get<ReferencePlan>(plan.textures.back().what);
     bool kept = true;
     for (const std::uint8_t level : {std::uint8_t{0}, std::uint8_t{2}, std::uint8_t{4}, std::uint8_t{6}}) {
+        // Above its cells a page sums what targets change, and its interval with that
+        if (!plan.target_laws.empty() && level > 4) continue;
+        const std::vector<MovingTarget> targets = balls(level);
+        const auto texture = make_targeted_texture(pattern, plan, targets);
+        TargetDistances distances;
+        for (const TargetLaw& law : plan.target_laws)
+            distances.laws.emplace_back(law.frames->line, law.near, law.far, targets);
         Rgba8Image out;
         Validity validity;
         const double page = median_of([&](int i) {
             TexelRegion region = region_of({level, static_cast<std::uint32_t>(i), 3});
-            region.step = 1000 + 7 * i;
+            region.step = step_of(i);
             const auto evaluation = texture->evaluate(region, Budget{}, out);
             validity = evaluation->validity;
         });
         const int side_log2 = 8 + level - 4;  // log2 of the cells along a page
         std::vector<std::int32_t> patterns(std::size_t{1} << side_log2);
+        const auto middles_of = [&](int i) {
+            const std::int64_t side = std::int64_t{256} << level, count = std::int64_t{1} << side_log2;
+            return MotionLattice{{i * side + 8, 3 * side + 8}, 16, count, count};
+        };
+        std::array<bool, runs> rests{};
+        for (int i = 0; i < runs && !distances.laws.empty(); ++i)
+            rests[static_cast<std::size_t>(i)] =
+                distances.laws.front().rest_of(middles_of(i), step_of(i)).has_value();
         const auto decide = [&](int i, bool with) {
             Validity met;
+            // Pages that no target is near tell by the whole rectangle
+            if (rests[static_cast<std::size_t>(i)]) {
+                if (with) met = *distances.laws.front().rest_of(middles_of(i), step_of(i));
+                return;
+            }
             const std::int64_t x = std::int64_t{i} << side_log2, y = std::int64_t{3} << side_log2;
             for (std::int64_t row = 0; row < std::int64_t{1} << side_log2; ++row)
                 for (std::size_t from = 0; from < patterns.size(); from += 4096) {
@@ -100,8 +136,9 @@ bool measure(const char* name, const std::string& animation) {
                     cells.program->patterns({.x = x + static_cast<std::int64_t>(from),
                                              .y = y + row,
                                              .count = count,
-                                             .step = 1000 + 7 * i,
-                                             .validity = with ? &met : nullptr},
+                                             .step = step_of(i),
+                                             .validity = with ? &met : nullptr,
+                                             .targets = &distances},
                                             patterns.data() + from);
                 }
         };
@@ -135,6 +172,11 @@ int main() {
     };
     bool kept = measure("random rests", rest + animated(R"({"block": "rest"})"));
     kept &= measure("a board", board + animated(R"({"block": "board"})"));
+    const std::string by_targets = R"({"name": "x", "animation_map": {"sequence": "frames",
+        "target_distance": {"near_texels": 30, "far_texels": 700}}})";
+    // A microsecond a page, which is more of the smallest pages; and where a ball is, each row asks its law
+    static_cast<void>(measure("a ball comes", by_targets, tessera::ball_comes));
+    static_cast<void>(measure("a ball is there", by_targets, tessera::ball_is_there));
     kept &= measure("all at rest", animated(R"({"integer": "1000000000"})"));
     return kept ? 0 : 1;
 }

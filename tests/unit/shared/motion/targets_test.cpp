@@ -1,5 +1,6 @@
 #include "shared/motion/targets.h"
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -87,6 +88,33 @@ TEST(TargetDistance, AlongARowIsWhatEachPlaceShows) {
             ASSERT_EQ(along, each) << step << ", " << y;
         }
     EXPECT_GT(seen, 1000);
+}
+
+TEST(TargetDistance, KnowsHowLongALatticeRests) {
+    const TimeLine frames{std::array<std::uint32_t, 3>{1, 2, 4}};
+    const auto targets = some_targets();
+    const TargetDistance law{frames, 10, 90, targets};
+    std::vector<std::int32_t> shown(12);
+    int rests = 0, ends = 0;
+    for (Step step = -320; step < 640; step += 3)
+        for (std::int64_t y = -200; y < 900; y += 173)
+            for (std::int64_t x = -300; x < 900; x += 211) {
+                const MotionLattice places{{x, y}, 16, 12, 5};
+                Validity all;
+                bool first = true;
+                for (std::int64_t row = 0; row < places.rows; ++row) {
+                    law.shown_along({{x, y + row * 16}, 16, 12}, step, shown.data(), &all);
+                    first &= std::all_of(shown.begin(), shown.end(), [](std::int32_t f) { return f == 0; });
+                }
+                const auto rest = law.rest_of(places, step);
+                if (!rest) continue;
+                ASSERT_TRUE(first) << step;
+                ASSERT_EQ(*rest, all) << step << " at " << x << ", " << y;
+                ++rests;
+                ends += !rest->is_static();
+            }
+    EXPECT_GT(rests, 5000);
+    EXPECT_GT(ends, 500);
 }
 
 TEST(TargetDistance, LooksNoFurtherThanItIsAsked) {

@@ -1,0 +1,175 @@
+// When a target comes near a rectangle of places, and when one was near it last: what tells how long a page
+// stays as it is that no target is near.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "shared/motion/targets.h"
+
+namespace tessera {
+
+namespace {
+
+__extension__ using Wide = __int128;
+
+/// A target may be near the rectangle without being near one of its places, for no more steps than this.
+constexpr std::int64_t most_steps_between = 64;
+
+}  // namespace
+
+/// One walk of a target past the rectangle. Its distance to it falls and then rises.
+class TargetDistance::Approach {
+  public:
+    Approach(const TargetDistance& law, const MotionLattice& places, const MovingTarget::Walk& walk) noexcept
+        : law_{law},
+          places_{places},
+          walk_{walk},
+          last_{places.first.x + (places.columns - 1) * places.spacing,
+                places.first.y + (places.rows - 1) * places.spacing} {}
+
+    /// Whether the rectangle is in reach, `moved` steps on.
+    bool box_is_near(std::int64_t moved) const noexcept {
+        const auto off = [&](std::int64_t from, std::int64_t by, std::int64_t least, std::int64_t most) {
+            const Wide at = Wide{from} * walk_.steps + Wide{by} * moved;
+            return std::max({Wide{least} * walk_.steps - at, at - Wide{most} * walk_.steps, Wide{0}});
+        };
+        const Wide reach = Wide{law_.reach()} * walk_.steps;
+        const Wide x = off(walk_.from.x, walk_.by.x, places_.first.x, last_.x);
+        const Wide y = off(walk_.from.y, walk_.by.y, places_.first.y, last_.y);
+        return x <= reach && y <= reach && x * x + y * y <= reach * reach;
+    }
+    /// Whether one of the places is.
+    bool is_near(std::int64_t moved) const noexcept {
+        const auto below = [&](std::int64_t from, std::int64_t by, std::int64_t first, std::int64_t count) {
+            const Wide way = Wide{by} * moved;
+            const Wide at = from - first + way / walk_.steps - (way % walk_.steps < 0 ? 1 : 0);
+            const Wide index = at < 0 ? Wide{0} : at / places_.spacing;
+            return static_cast<std::int64_t>(std::min<Wide>(index, count - 1));
+        };
+        const std::int64_t i = below(walk_.from.x, walk_.by.x, places_.first.x, places_.columns),
+                           j = below(walk_.from.y, walk_.by.y, places_.first.y, places_.rows);
+        for (std::int64_t row = j; row <= std::min(j + 1, places_.rows - 1); ++row)
+            for (std::int64_t column = i; column <= std::min(i + 1, places_.columns - 1); ++column)
+                if (law_.frame_on(
+                        walk_,
+                        {places_.first.x + column * places_.spacing, places_.first.y + row * places_.spacing},
+                        moved) > 0)
+                    return true;
+        return false;
+    }
+
+    /// A step of [from, to] at which the rectangle is in reach, if there is any: the closest, or one beside
+    /// it.
+    std::optional<std::int64_t> closest(std::int64_t from, std::int64_t to) const noexcept {
+        const double x = static_cast<double>(walk_.from.x), y = static_cast<double>(walk_.from.y);
+        const double bx = static_cast<double>(walk_.by.x) / static_cast<double>(walk_.steps),
+                     by = static_cast<double>(walk_.by.y) / static_cast<double>(walk_.steps);
+        const double x0 = static_cast<double>(places_.first.x), x1 = static_cast<double>(last_.x),
+                     y0 = static_cast<double>(places_.first.y), y1 = static_cast<double>(last_.y);
+        const auto square = [&](double t) {
+            const double dx = std::max({x0 - (x + bx * t), x + bx * t - x1, 0.0});
+            const double dy = std::max({y0 - (y + by * t), y + by * t - y1, 0.0});
+            return dx * dx + dy * dy;
+        };
+        const auto least = static_cast<double>(from), most = static_cast<double>(to);
+        double best = least;
+        const auto take = [&](double t) {
+            t = std::clamp(t, least, most);
+            if (square(t) < square(best)) best = t;
+        };
+        take(most);
+        if (bx != 0) take((x0 - x) / bx), take((x1 - x) / bx);
+        if (by != 0) take((y0 - y) / by), take((y1 - y) / by);
+        if (const double length = bx * bx + by * by; length > 0)
+            for (const double corner_x : {x0, x1})
+                for (const double corner_y : {y0, y1})
+                    take(((corner_x - x) * bx + (corner_y - y) * by) / length);
+        // Its neighbours too: doubles are off by less
+        const auto middle = static_cast<std::int64_t>(best);
+        for (const std::int64_t t : {middle, middle + 1, middle - 1, middle + 2})
+            if (t >= from && t <= to && box_is_near(t)) return t;
+        return std::nullopt;
+    }
+
+    enum class Found : std::uint8_t { no, yes, unknown };
+    /// The first step of [from, to] at which a place is in reach. None is at `from`, or before it.
+    Found first_near(std::int64_t from, std::int64_t to, std::int64_t& found) const noexcept {
+        const auto near = closest(from, to);
+        if (!near) return Found::no;
+        std::int64_t outside = from - 1, inside = *near;
+        while (inside - outside > 1) {
+            const std::int64_t middle = outside + (inside - outside) / 2;
+            (box_is_near(middle) ? inside : outside) = middle;
+        }
+        for (found = inside; found <= to && box_is_near(found); ++found) {
+            if (is_near(found)) return Found::yes;
+            if (found - inside > most_steps_between) return Found::unknown;
+        }
+        return Found::no;
+    }
+    /// The last one.
+    Found last_near(std::int64_t from, std::int64_t to, std::int64_t& found) const noexcept {
+        const auto near = closest(from, to);
+        if (!near) return Found::no;
+        std::int64_t outside = to + 1, inside = *near;
+        while (outside - inside > 1) {
+            const std::int64_t middle = inside + (outside - inside) / 2;
+            (box_is_near(middle) ? inside : outside) = middle;
+        }
+        for (found = inside; found >= from && box_is_near(found); --found) {
+            if (is_near(found)) return Found::yes;
+            if (inside - found > most_steps_between) return Found::unknown;
+        }
+        return Found::no;
+    }
+
+  private:
+    const TargetDistance& law_;
+    const MotionLattice& places_;
+    MovingTarget::Walk walk_;
+    MotionPoint last_;
+};
+
+std::optional<Validity> TargetDistance::rest_of(const MotionLattice& places, Step step) const noexcept {
+    Validity rest;
+    if (reach_.empty()) return rest;
+    const MotionPoint last{places.first.x + (places.columns - 1) * places.spacing,
+                           places.first.y + (places.rows - 1) * places.spacing};
+    using Found = Approach::Found;
+    for (const MovingTarget& target : targets_) {
+        if (!ever_near(target, places.first, last)) continue;
+        const MovingTarget::Walk now = target.walk_at(step);
+        const std::int64_t moved = step - now.begin;
+        if (Approach{*this, places, now}.box_is_near(moved)) return std::nullopt;
+        std::int64_t found = 0;
+        // Onwards, until it comes near or has come round, or another did so earlier
+        MovingTarget::Walk walk = now;
+        for (std::int64_t from = moved;;) {
+            const Found near = Approach{*this, places, walk}.first_near(from, walk.steps, found);
+            if (near == Found::unknown) return std::nullopt;
+            if (near == Found::yes) {
+                rest.until = std::min(rest.until, add_steps(walk.begin, found));
+                break;
+            }
+            const Step next = add_steps(walk.begin, walk.steps);
+            if (next >= rest.until || next >= add_steps(step, target.round_steps())) break;
+            walk = target.walk_at(next);
+            from = 0;
+        }
+        walk = now;
+        for (std::int64_t to = moved;;) {
+            const Found near = Approach{*this, places, walk}.last_near(0, to, found);
+            if (near == Found::unknown) return std::nullopt;
+            if (near == Found::yes) {
+                rest.from = std::max(rest.from, add_steps(walk.begin, found + 1));
+                break;
+            }
+            if (walk.begin <= rest.from || walk.begin <= add_steps(step, -target.round_steps())) break;
+            walk = target.walk_at(walk.begin - 1);
+            to = walk.steps;
+        }
+    }
+    return rest;
+}
+
+}  // namespace tessera
