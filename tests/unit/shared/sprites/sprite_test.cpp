@@ -1,5 +1,6 @@
 #include "shared/sprites/sprite.h"
 
+#include <array>
 #include <functional>
 
 #include <gtest/gtest.h>
@@ -136,6 +137,29 @@ TEST(Sprite, IsRefusedByFieldAndRange) {
     EXPECT_TRUE(refused(moving(at_texel(0, 0), 0, 0, 0, 0, SpritePath::Then::rest), "path.steps"));
     EXPECT_TRUE(
         refused(with(at_texel(0, 0), [](SpriteLife& life) { life.end_step = life.first_step; }), "end_step"));
+}
+
+TEST(Sprite, ShowsTheFramesOfItsAnimationAgainAndAgain) {
+    const auto frames = std::make_shared<const SpriteFrames>(
+        SpriteFrames{{7, 8, 9}, TimeLine{std::array<std::uint32_t, 3>{4, 1, 2}}});
+    const Sprite sprite = with(at_texel(0, 0), [&](SpriteLife& life) {
+        life.frames = frames;
+        life.phase = 3;
+        life.end_step = 100;
+    });
+    // 7 steps a round; at step 0 the fourth of the first frame
+    const std::array<std::int32_t, 7> shown{7, 8, 9, 9, 7, 7, 7};
+    for (Step step = -40; step < 100; ++step)
+        ASSERT_EQ(pattern_at(sprite, step), shown[static_cast<std::size_t>((step % 7 + 7) % 7)]) << step;
+    for (Step step = -40; step < 98; ++step) {
+        const Validity stay = stay_of(sprite, step);
+        ASSERT_TRUE(stay.holds(step));
+        for (Step at = stay.from; at < stay.until; ++at)
+            ASSERT_EQ(pattern_at(sprite, at), pattern_at(sprite, step));
+        ASSERT_NE(pattern_at(sprite, stay.from - 1), pattern_at(sprite, step));
+        ASSERT_TRUE(stay.until == 100 || pattern_at(sprite, stay.until) != pattern_at(sprite, step));
+    }
+    EXPECT_FALSE(same_sprite(sprite, at_texel(0, 0)));
 }
 
 }  // namespace
