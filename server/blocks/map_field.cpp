@@ -24,8 +24,7 @@ Result<void> check_map_size(Compilation& c, std::size_t block, std::string_view 
 }
 
 std::pair<std::int32_t, std::int32_t> map_range(const StoredMap& map) {
-    const auto [first, last] = std::minmax_element(map.values.begin(), map.values.end());
-    std::int32_t least = *first, most = *last;
+    std::int32_t least = map.values.distinct().front(), most = map.values.distinct().back();
     if (map.bounded()) least = std::min(least, map.least), most = std::max(most, map.most);
     return {map.edge == StoredMap::Edge::blank ? std::min(least, -1) : least, most};
 }

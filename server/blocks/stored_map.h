@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <initializer_list>
 #include <memory>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -15,27 +16,34 @@ class MapValues {
   public:
     MapValues() = default;
     MapValues(std::vector<std::int32_t> values)  // NOLINT(google-explicit-constructor): a map is its entries
-        : values_{std::make_shared<std::vector<std::int32_t>>(std::move(values))} {}
+        : kept_{std::make_shared<Kept>(std::move(values))} {}
     MapValues(std::initializer_list<std::int32_t> values) : MapValues{std::vector<std::int32_t>{values}} {}
 
-    std::size_t size() const noexcept { return values_ ? values_->size() : 0; }
+    std::size_t size() const noexcept { return kept_ ? kept_->values.size() : 0; }
     bool empty() const noexcept { return size() == 0; }
-    const std::int32_t* data() const noexcept { return values_ ? values_->data() : nullptr; }
+    const std::int32_t* data() const noexcept { return kept_ ? kept_->values.data() : nullptr; }
     const std::int32_t* begin() const noexcept { return data(); }
     const std::int32_t* end() const noexcept { return data() + size(); }
-    std::int32_t operator[](std::size_t i) const noexcept { return (*values_)[i]; }
+    std::int32_t operator[](std::size_t i) const noexcept { return kept_->values[i]; }
+    /// The different ones, rising: looked up once for all copies.
+    const std::vector<std::int32_t>& distinct() const;
 
     /// To write to; not while another thread copies this.
     std::vector<std::int32_t>& own() {
-        if (!values_)
-            values_ = std::make_shared<std::vector<std::int32_t>>();
-        else if (values_.use_count() > 1)
-            values_ = std::make_shared<std::vector<std::int32_t>>(*values_);
-        return *values_;
+        kept_ = !kept_                  ? std::make_shared<Kept>(std::vector<std::int32_t>{})
+                : kept_.use_count() > 1 ? std::make_shared<Kept>(kept_->values)
+                                        : std::make_shared<Kept>(std::move(kept_->values));
+        return kept_->values;
     }
 
   private:
-    std::shared_ptr<std::vector<std::int32_t>> values_;
+    struct Kept {
+        explicit Kept(std::vector<std::int32_t> entries) : values{std::move(entries)} {}
+        std::vector<std::int32_t> values;
+        std::once_flag looked_up;
+        std::vector<std::int32_t> distinct;
+    };
+    std::shared_ptr<Kept> kept_;
 };
 
 /// An explicit map: integers on a rectangle of cells, and what is outside it.

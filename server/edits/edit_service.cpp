@@ -9,6 +9,16 @@
 
 namespace tessera {
 
+namespace {
+
+/// Where our files are is nobody's business: "/srv/journal.db: the disk is full" without what stands first.
+std::string without_file(const std::string& detail) {
+    const std::size_t end = detail.starts_with('/') ? detail.find(": ") : std::string::npos;
+    return end == std::string::npos ? detail : detail.substr(end + 2);
+}
+
+}  // namespace
+
 Result<std::shared_ptr<LiveScene>> EditService::open(const ScenePtr& scene, Progress& progress) const {
     JournalOptions journal_options;
     journal_options.scene = scene->id;
@@ -61,6 +71,8 @@ void EditService::close() {
 void EditService::edit(std::string_view scene, proto::Edit edit, LiveScene::Handler then) {
     const auto arrived = std::chrono::steady_clock::now();
     LiveScene::Handler handler = [this, arrived, then = std::move(then)](EditOutcome outcome) {
+        if (auto* refusal = std::get_if<EditRefusal>(&outcome))
+            refusal->detail = without_file(refusal->detail);
         metrics_.count(outcome, std::chrono::steady_clock::now() - arrived);
         then(std::move(outcome));
     };

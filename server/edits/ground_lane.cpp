@@ -1,5 +1,6 @@
 // Edits of more than sprites: what they make of the scene is compiled before they go to the journal, on a
 // thread of its own, so that edits of sprites wait for none of it. What cannot be compiled never gets there.
+#include <new>
 #include <utility>
 
 #include <spdlog/spdlog.h>
@@ -45,14 +46,12 @@ void LiveScene::prepare(std::vector<Work> works, std::unique_lock<std::mutex>& l
             impossible.push_back(std::move(work));
         }
     }
-    bool grounded = true;
     if (!possible.empty() && !document.same_ground(*compiled)) {
         auto ground = this->compile(document);
         if (ground) {
             group->ground = std::move(*ground);
         } else {
             // Each by itself was found possible: it was too much altogether
-            grounded = false;
             for (Work& work : possible) {
                 work.group.reset();
                 work.document.reset();
@@ -62,7 +61,6 @@ void LiveScene::prepare(std::vector<Work> works, std::unique_lock<std::mutex>& l
             possible.clear();
         }
     }
-    static_cast<void>(grounded);
     group->after = std::make_shared<const LiveDocument>(std::move(document));
     for (Work& work : impossible) std::get<EditRefusal>(*work.outcome).head = now()->revision;
     ask_for_retries(std::move(impossible));
@@ -131,10 +129,15 @@ void LiveScene::end_group() {
 }
 
 Result<ScenePtr> LiveScene::compile(const LiveDocument& document) const {
-    auto ground = std::make_shared<Scene>();
-    if (auto done = document.source->compile(*document.message, document.painted, *ground); !done)
-        return done.error();
-    return ScenePtr{std::move(ground)};
+    // Input never throws on purpose, but memory may run out
+    try {
+        auto ground = std::make_shared<Scene>();
+        if (auto done = document.source->compile(*document.message, document.painted, *ground); !done)
+            return done.error();
+        return ScenePtr{std::move(ground)};
+    } catch (const std::bad_alloc&) {
+        return Error{ErrorCode::io_failure, "there is not enough memory for it"};
+    }
 }
 
 /// Where the journal brought edits that were not compiled before: after a restart, or a failed commit.

@@ -70,7 +70,7 @@ void take_ground(Scene& scene, const Scene& ground, const LiveDocument& document
     scene.block_list = ground.block_list;
     scene.editable_maps = ground.editable_maps;
     scene.steps_per_second = document.clock.steps_per_second;
-    scene.slices = ground.slices;
+    if (!scene.sprite_images) scene.slices = ground.slices;
 }
 
 Error of_history(const std::string& what) {
@@ -318,6 +318,8 @@ void LiveScene::settle(std::vector<AppendOutcome> outcomes) {
                 EditRefusal{EditRefusal::Why::unknown,
                             "the disk failed; send the edit again to learn whether it is in", head_};
     }
+    // The scene's files changed meanwhile: what was prepared is made anew, of them
+    if (in_commit_ && in_commit_->before != document_) as_expected = false;
     if (!as_expected) {
         // What the journal tells is the truth: it may hold edits whose fate was not known before
         take_back();
