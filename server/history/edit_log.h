@@ -11,8 +11,8 @@ namespace tessera {
 
 struct LogOptions {
     std::optional<Revision> from{};  ///< None: the newest `limit`.
-    std::uint64_t limit = 100;     ///< 0: all.
-    bool json = false;             ///< An object a line.
+    std::uint64_t limit = 100;       ///< 0: all.
+    bool json = false;               ///< An object a line.
 };
 
 /// Writes a line for each edit that the journal remembers and that is asked for, the oldest first: revision,

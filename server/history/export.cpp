@@ -1,5 +1,6 @@
 #include "server/history/export.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
@@ -13,7 +14,6 @@
 #include "server/edits/live_scene.h"
 #include "server/files/whole_file.h"
 #include "server/history/past_journal.h"
-#include "server/history/scene_state.h"
 #include "shared/wire/json.h"
 
 namespace tessera {
@@ -23,6 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t max_scene_file_bytes = std::int64_t{1} << 30;
+constexpr double default_rate = 10;  ///< Of a scene file that says none: Clock.steps_per_second
 
 Error failed(const fs::path& file, const std::error_code& why) {
     return {ErrorCode::io_failure, file.string() + ": " + why.message()};
@@ -33,13 +34,20 @@ Result<void> write_text(const fs::path& file, const std::string& text) {
 }
 
 /// The scene file with what edits changed.
-Result<void> write_scene_file(const fs::path& from, const SceneState& state, const fs::path& to) {
+Result<void> write_scene_file(const fs::path& from, proto::LiveState state, const fs::path& to) {
     const auto text = read_whole_file(from, max_scene_file_bytes);
     if (!text) return text.error();
-    proto::Scene scene;
-    if (auto read = read_json(*text, from.string(), scene); !read) return read;
-    auto& placed = *scene.mutable_sprites()->mutable_placed();
-    placed.Assign(state.sprites.begin(), state.sprites.end());
+    proto::Scene file;
+    if (auto read = read_json(*text, from.string(), file); !read) return read;
+    proto::Scene scene = state.has_scene() ? std::move(*state.mutable_scene()) : file;
+    if (file.has_sprites()) *scene.mutable_sprites() = file.sprites();
+    auto& sprites = *state.mutable_sprites();
+    std::sort(sprites.begin(), sprites.end(), [](const auto& a, const auto& b) { return a.id() < b.id(); });
+    if (!sprites.empty() || file.has_sprites()) *scene.mutable_sprites()->mutable_placed() = sprites;
+    const double rate = state.clock().steps_per_second();
+    const double rate_of_file =
+        file.clock().steps_per_second() == 0 ? default_rate : file.clock().steps_per_second();
+    if (rate != rate_of_file) scene.mutable_clock()->set_steps_per_second(rate);
     return write_text(to, write_brief_json(scene));
 }
 
@@ -71,12 +79,13 @@ Result<void> copy_assets(const fs::path& from, const fs::path& to, Progress& pro
     return {};
 }
 
-Result<SceneState> state_at(const ScenePtr& scene, Journal& journal, Revision revision, Progress& progress) {
+Result<proto::LiveState> state_at(const ScenePtr& scene, Journal& journal, Revision revision,
+                                  Progress& progress) {
     auto past = PastJournal::at(journal, revision);
     if (!past) return past.error();
     const auto live = LiveScene::open(scene, std::move(*past), progress);
     if (!live) return live.error();
-    return state_of(**live);
+    return (*live)->state();
 }
 
 }  // namespace

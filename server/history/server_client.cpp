@@ -11,7 +11,8 @@
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/http/write.hpp>
-#include <google/protobuf/struct.pb.h>
+
+#include "proto/page.pb.h"
 
 #include "shared/wire/json.h"
 
@@ -123,12 +124,11 @@ Result<std::string> ServerClient::fingerprint(const std::string& scene) const {
     const auto reply = ask(false, "/scenes/" + scene, {});
     if (!reply) return reply.error();
     if (reply->status != 200) return refused(reply->body);
-    google::protobuf::Struct description;
-    const auto read = read_json(reply->body, address(), description);
-    const auto found = description.fields().find("fingerprint");
-    if (!read || found == description.fields().end())
+    proto::TileJson description;
+    const auto read = read_json_leniently(reply->body, address(), description);
+    if (!read || description.tessera().fingerprint().empty())
         return Error{ErrorCode::invalid_input, address() + ": is not a server of ours"};
-    return found->second.string_value();
+    return description.tessera().fingerprint();
 }
 
 Result<proto::EditAnswer> ServerClient::edit(const std::string& scene, const proto::Edit& edit) const {

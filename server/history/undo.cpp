@@ -9,6 +9,7 @@
 #include <google/protobuf/util/message_differencer.h>
 
 #include "server/edits/live_scene.h"
+#include "server/history/document_difference.h"
 #include "server/history/past_journal.h"
 #include "server/history/scene_state.h"
 #include "server/journal/edit_id.h"
@@ -130,7 +131,7 @@ Result<void> try_out(const ScenePtr& ground, Journal& journal, const Undo& undo,
         if (const auto* refusal = std::get_if<EditRefusal>(&outcome))
             return Error{ErrorCode::invalid_input, refusal->detail};
     }
-    if (state_of(**scene) == then) return {};
+    if (alike(state_of(**scene), then)) return {};
     return Error{ErrorCode::invalid_input, "something that has changed since cannot be changed back"};
 }
 
@@ -151,9 +152,11 @@ Result<Undo> plan_undo(const ScenePtr& ground, Journal& journal, Revision revisi
         now = state_of(**scene);
         undo.fingerprint = (*scene)->now()->fingerprint;
     }
+    const auto others = document_difference(now, then, journal, revision);
+    if (!others) return others.error();
     Error why;
     for (const bool moves : {true, false}) {
-        std::vector<proto::Change> changes;
+        std::vector<proto::Change> changes = *others;
         Difference sprites = difference(now.sprites, then.sprites, moves);
         for (auto* list : {&sprites.removals, &sprites.moves, &sprites.placements})
             std::move(list->begin(), list->end(), std::back_inserter(changes));
