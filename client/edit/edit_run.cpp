@@ -102,7 +102,7 @@ class Run final : public StreamListener {
         if (options_.task == Task::watch) {
             proto::ServerMessage told;
             told.mutable_goodbye()->set_detail(why.detail);
-            if (is_open_once_) say(told);
+            if (is_open_once_ && trouble_.empty()) say(told);
         }
         if (is_hopeless || !is_tried_again) {
             std::cerr << "tessera-edit: " << why.detail << "\n";

@@ -42,15 +42,16 @@ Error refusal(const std::string& where, unsigned status, std::string body) {
     constexpr std::size_t longest = 300;
     body.resize(std::min(body.size(), body.find('\n')));
     body.resize(std::min(body.size(), longest));
-    const std::string words = where + ": " + (body.empty() ? "" : body + " ");
-    const std::string number = "(status " + std::to_string(status) + ")";
+    // The server's own words go before ours
+    const auto words = [&](const char* ours) {
+        return where + ": " + (body.empty() ? ours : body) + " (status " + std::to_string(status) + ")";
+    };
     if (status == 404)
-        return {ErrorCode::no_such_scene, words + "the server has no such scene, or no streams " + number};
-    if (status == 429 || status == 503)
-        return {ErrorCode::overloaded, words + "the server is busy " + number};
+        return {ErrorCode::no_such_scene, words("the server has no such scene, or no streams")};
+    if (status == 429 || status == 503) return {ErrorCode::overloaded, words("the server is busy")};
     if (status == 401 || status == 403)
-        return {ErrorCode::malformed_request, words + "the server does not allow it " + number};
-    return {ErrorCode::io_failure, words + "the server opens no stream there " + number};
+        return {ErrorCode::malformed_request, words("the server does not allow it")};
+    return {ErrorCode::io_failure, words("the server opens no stream there")};
 }
 
 }  // namespace

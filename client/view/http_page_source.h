@@ -4,12 +4,12 @@
 #include <unordered_map>
 
 #include "client/link/background_page_client.h"
-#include "client/residency/page_source.h"
+#include "client/view/view_source.h"
 
 namespace tessera {
 
 /// The pages of a scene over HTTP, raw, with the gutter the cache needs.
-class HttpPageSource : public PageSource {
+class HttpPageSource final : public ViewSource {
   public:
     /// `scene` has these channels, and gives raw pages with a gutter of gutter_texels; see check_scene().
     HttpPageSource(const ServerAddress& server, const SceneInfo& scene, ChannelSet channels,
@@ -19,9 +19,8 @@ class HttpPageSource : public PageSource {
     void cancel(PageRequestId id) override;
     std::vector<ArrivedPage> take_arrived(std::size_t most) override;
 
-    /// Waits for an arrival, at most so long.
-    void wait(std::chrono::milliseconds timeout);
-    std::uint64_t bytes_received() const { return client_.statistics().bytes_received; }
+    void wait(std::chrono::milliseconds timeout) override;
+    std::uint64_t bytes_received() const override { return client_.statistics().bytes_received; }
 
   private:
     BackgroundPageClient client_;

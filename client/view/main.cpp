@@ -1,6 +1,7 @@
 // tessera-view: the GL client.
 #include <algorithm>
 #include <cstdio>
+#include <memory>
 
 #include <unistd.h>
 
@@ -10,6 +11,7 @@
 #include "client/view/headless_run.h"
 #include "client/view/http_page_source.h"
 #include "client/view/options.h"
+#include "client/view/stream_page_source.h"
 #include "client/view/viewer_window.h"
 
 namespace tessera {
@@ -29,7 +31,7 @@ Result<CameraPath> camera_path(const Options& options, Extent extent) {
 }
 
 Result<void> draw_headless(const Options& options, const SceneInfo& info, const CameraPath& path,
-                           HttpPageSource& source) {
+                           ViewSource& source) {
     const auto context = make_headless_context();
     if (!context) return context.error();
     if (const auto checked = check_gl_version(); !checked) return checked.error();
@@ -43,7 +45,11 @@ Result<void> draw_headless(const Options& options, const SceneInfo& info, const 
                           .filter = options.filter,
                           .folder = options.output};
     auto metrics = run_headless(job, **scene, [&](auto timeout) { source.wait(timeout); });
-    if (!metrics) return metrics.error();
+    if (!metrics) {
+        const std::string trouble = source.state().trouble;
+        return trouble.empty() ? metrics.error()
+                               : Error{metrics.error().code, metrics.error().detail + "; " + trouble};
+    }
     metrics->set_scene(info.id);
     metrics->mutable_totals()->set_megabytes_received(static_cast<double>(source.bytes_received()) / 1e6);
     if (const auto written = write_metrics(job, *metrics); !written) return written.error();
@@ -91,9 +97,14 @@ Result<void> run(const Options& options) {
     if (const auto there = check_channels(*info, options.channels); !there) return there.error();
     const auto path = camera_path(options, info->extent);
     if (!path) return path.error();
-    HttpPageSource source{*server, *info, options.channels, std::min<std::size_t>(options.in_flight, 8)};
-    if (options.headless) return draw_headless(options, *info, *path, source);
-    return run_window(options, *info, *server, path->at(path->begin_seconds()), source);
+    std::unique_ptr<ViewSource> source;
+    if (options.http)
+        source = std::make_unique<HttpPageSource>(*server, *info, options.channels,
+                                                  std::min<std::size_t>(options.in_flight, 8));
+    else
+        source = std::make_unique<StreamPageSource>(*server, *info, options.channels, options.name);
+    if (options.headless) return draw_headless(options, *info, *path, *source);
+    return run_window(options, *info, *server, path->at(path->begin_seconds()), *source);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@ constexpr const char* after_help = R"(In the window:
 
 Examples:
   tessera-view http://127.0.0.1:7070 pebbles
+  tessera-view http://127.0.0.1:7070 meadow --name Ada
   tessera-view http://127.0.0.1:7070 pebbles --headless --frames 60 --camera path.json -o frames
   tessera-view --headless --compare-filters --textures photographs -o report
 
@@ -60,6 +61,9 @@ bool read_options(int argc, const char* const* argv, Options& options, int& exit
                    "albedo, normal, roughness, height or moments, if the scene has it")
         ->check(CLI::IsMember({"albedo", "normal", "roughness", "height", "moments"}))
         ->capture_default_str();
+    app.add_flag("--http", options.http,
+                 "Ask for pages by HTTP, which tells of no edits; else by the scene's stream");
+    app.add_option("--name", options.name, "Who looks, for the others who are there");
     app.add_option("--camera", options.camera,
                    "A camera path (JSON): replayed with --headless, else where to begin");
     app.add_option("-o,--output", options.output, "Folder for frames, metrics.json and screenshots");

@@ -13,6 +13,8 @@ namespace tessera {
 struct Options {
     std::string url;    ///< http://host:port
     std::string scene;  ///< The scene's id
+    bool http = false;  ///< Pages by HTTP, which tells of no edits; else by the stream.
+    std::string name;   ///< Of who looks, for the others
     ChannelSet channels = ChannelSet::albedo;
     int width = 0;  ///< Pixels of the frames, or of the window; 0: 800×700, or 1280×800
     int height = 0;

@@ -94,8 +94,19 @@ void page_rows(const PanelContents& contents) {
         text("%llu, %llu cancelled, %llu failed", static_cast<unsigned long long>(counts.requested),
              static_cast<unsigned long long>(counts.cancelled),
              static_cast<unsigned long long>(counts.failed)));
+    if (frame.stale > 0) row("changed", text("%zu shown as they were before", frame.stale), waiting);
     row("received", text("%.1f MB", static_cast<double>(contents.bytes_received) / 1e6));
     if (frame.lod_bias > 0) row("blurred", text("by %.2f levels: small cache", frame.lod_bias), waiting);
+    ImGui::EndTable();
+}
+
+void live_rows(const PanelContents& contents) {
+    const ViewSource::State& source = contents.source;
+    if (!begin_rows("live", contents.scale)) return;
+    row("revision", grouped(static_cast<std::int64_t>(source.revision)));
+    row("step", grouped(contents.step));
+    row("others here", std::to_string(source.others));
+    row("round trip", text("%.1f ms", source.round_trip_ms));
     ImGui::EndTable();
 }
 
@@ -134,6 +145,10 @@ void info_panel(const PanelContents& contents, ViewerSwitches& switches) {
     camera_rows(contents);
     heading("Pages");
     page_rows(contents);
+    if (contents.source.is_live) {
+        heading("Live");
+        live_rows(contents);
+    }
     heading("Filter");
     filter_rows(switches);
     heading("Frames");
@@ -160,7 +175,9 @@ void info_panel(const PanelContents& contents, ViewerSwitches& switches) {
 }
 
 void trouble_message(const PanelContents& contents) {
-    const std::string& problem = contents.plane.residency().requests().problem();
+    // A lost stream is the cause of what its requests say
+    const std::string& trouble = contents.source.trouble;
+    const std::string& problem = trouble.empty() ? contents.plane.residency().requests().problem() : trouble;
     if (problem.empty()) return;
     const ImVec2 screen = ImGui::GetIO().DisplaySize;
     const float margin = 12 * contents.scale;
@@ -169,7 +186,7 @@ void trouble_message(const PanelContents& contents) {
     ImGui::Begin("trouble", nullptr,
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize |
                      ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoFocusOnAppearing);
-    ImGui::TextColored(bad, "Pages do not come; trying again");
+    ImGui::TextColored(bad, trouble.empty() ? "Pages do not come; trying again" : "No connection");
     ImGui::PushTextWrapPos(360 * contents.scale);
     ImGui::TextWrapped("%s", problem.c_str());
     ImGui::PopTextWrapPos();

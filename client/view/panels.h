@@ -5,6 +5,7 @@
 
 #include "client/link/scene_info.h"
 #include "client/render/plane_scene.h"
+#include "client/view/view_source.h"
 #include "client/view/viewer_state.h"
 
 namespace tessera {
@@ -21,6 +22,8 @@ struct PanelContents {
     const ResidencyFrame& frame;
     const FrameTimes& times;
     std::optional<CursorReading> cursor;
+    ViewSource::State source{};
+    Step step = 0;  ///< Of the scene's clock
     std::uint64_t bytes_received = 0;
     float scale = 1;  ///< The screen's content scale
 };

@@ -60,7 +60,7 @@ class Panels {
 class Viewer {
   public:
     Viewer(const Options& options, const SceneInfo& info, const ServerAddress& server, const Camera& start,
-           HttpPageSource& source, GlfwWindow& window, PlaneScene& scene)
+           ViewSource& source, GlfwWindow& window, PlaneScene& scene)
         : options_{options},
           info_{info},
           server_{server.authority()},
@@ -108,7 +108,9 @@ class Viewer {
 
         const PlaneView view{control_.camera(), size.width, size.height};
         const auto now = std::chrono::duration_cast<ClientTime>(Clock::now() - begin_) + ClientTime{1};
-        const ResidencyFrame frame = scene_.update(view, now, switches_.filter);
+        const ViewSource::SceneTime scene_time = source_.scene_time();
+        const FrameTime time{now, scene_time.step, scene_time.steps_per_second};
+        const ResidencyFrame frame = scene_.update(view, time, switches_.filter);
         const auto drawn = scene_.draw(*target_, view,
                                        {.filter = switches_.filter,
                                         .fade_ms = switches_.fade ? 150.0F : 0.0F,
@@ -127,6 +129,8 @@ class Viewer {
             .frame = frame,
             .times = times_,
             .cursor = read_cursor(view, scene_.residency(), frame.lod_bias, cursor.x, cursor.y),
+            .source = source_.state(),
+            .step = scene_time.step,
             .bytes_received = source_.bytes_received(),
             .scale = panels_.scale()};
         draw_panels(contents, switches_);
@@ -171,7 +175,7 @@ class Viewer {
     const Options& options_;
     const SceneInfo& info_;
     std::string server_;
-    HttpPageSource& source_;
+    ViewSource& source_;
     GlfwWindow& window_;
     PlaneScene& scene_;
     Panels panels_;
@@ -186,7 +190,7 @@ class Viewer {
 }  // namespace
 
 Result<void> run_window(const Options& options, const SceneInfo& info, const ServerAddress& server,
-                        const Camera& start, HttpPageSource& source) {
+                        const Camera& start, ViewSource& source) {
     const std::string title = (info.title.empty() ? info.id : info.title) + " - Tessera";
     auto window = GlfwWindow::open(title, {options.width, options.height});
     if (!window) return window.error();

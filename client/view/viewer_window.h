@@ -3,8 +3,8 @@
 #include "client/link/scene_info.h"
 #include "client/link/server_address.h"
 #include "client/residency/camera.h"
-#include "client/view/http_page_source.h"
 #include "client/view/options.h"
+#include "client/view/view_source.h"
 #include "shared/result/result.h"
 
 namespace tessera {
@@ -13,6 +13,6 @@ namespace tessera {
 /// last of them sharp, leaving window.png with the panels in `options.output`. Error: io_failure (no display,
 /// no OpenGL 4.5).
 Result<void> run_window(const Options& options, const SceneInfo& info, const ServerAddress& server,
-                        const Camera& start, HttpPageSource& source);
+                        const Camera& start, ViewSource& source);
 
 }  // namespace tessera

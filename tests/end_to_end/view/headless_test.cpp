@@ -100,10 +100,10 @@ TEST_F(Headless, FramesMatchACpuRayCastThroughTheSamePages) {
     }
 }
 
-TEST_F(Headless, TwoRunsWriteTheSameFramesOneAfterTheOther) {
+TEST_F(Headless, TwoRunsWriteTheSameFramesOverTheStreamAndOverHttp) {
     const view::RunMetrics first = run("noise", noise_keys, 4, server->folder() / "first");
     const view::RunMetrics second =
-        run("noise", noise_keys, 4, server->folder() / "second", {"--in-flight", "3"});
+        run("noise", noise_keys, 4, server->folder() / "second", {"--in-flight", "3", "--http"});
     ASSERT_EQ(first.frames_size(), 4);
     for (int i = 0; i < 4; ++i) EXPECT_EQ(first.frames(i).hash(), second.frames(i).hash()) << "frame " << i;
     EXPECT_NE(first.frames(0).hash(), first.frames(1).hash());
