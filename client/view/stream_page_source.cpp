@@ -10,7 +10,7 @@
 namespace tessera {
 namespace {
 
-constexpr std::uint64_t most_window_pages = 16384;  // what servers let a client watch
+constexpr std::uint64_t most_window_pages = 65536;  // what servers let a client watch
 
 StreamSettings stream_settings(ChannelSet channels, const std::string& name) {
     StreamSettings settings;

@@ -10,7 +10,7 @@ struct StreamOptions {
     std::size_t streams = 2048;                          ///< At a time; one more is answered with 503.
     std::size_t message_bytes = std::size_t{256} << 10;  ///< Of a client's message. More ends the stream.
     std::size_t windows = 64;                            ///< Of one client.
-    std::size_t window_pages = 16384;                    ///< Of all windows of one client.
+    std::size_t window_pages = 65536;                    ///< Of all windows of one client.
     std::size_t asks = 1024;                             ///< Pages of one client that wait for an answer.
     std::size_t credits = 1024;                          ///< Of one client; more are not kept.
     std::size_t edits = 256;                             ///< Of one client that wait for an answer.
