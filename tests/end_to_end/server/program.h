@@ -48,6 +48,14 @@ class Program {
         out_ = out[0];
         err_ = err[0];
     }
+    /// What is left of `other` stands for no process.
+    Program(Program&& other) noexcept
+        : pid_{std::exchange(other.pid_, -1)},
+          out_{std::exchange(other.out_, -1)},
+          err_{std::exchange(other.err_, -1)},
+          out_text_{std::move(other.out_text_)},
+          err_text_{std::move(other.err_text_)} {}
+    Program& operator=(Program&&) = delete;
     ~Program() {
         if (pid_ > 0) {
             ::kill(pid_, SIGKILL);
