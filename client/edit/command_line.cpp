@@ -17,16 +17,16 @@ constexpr const char* description = "Changes a scene while it is served, and fol
 
 constexpr const char* footer = R"(
 Examples:
-  tessera-edit http://127.0.0.1:7070 road place 4000 2500 --pattern 2 --id 7
-      puts sprite 7 there, its middle at texel (4000, 2500) of level 0
-  tessera-edit http://127.0.0.1:7070 road move 7 4100 2500 --turn 0.25
-  tessera-edit http://127.0.0.1:7070 road --json remove 7 >> done.jsonl
+  tessera-edit http://127.0.0.1:7070 road place 4000 2500 --pattern 2 --id 700
+      puts sprite 700 there, its middle at texel (4000, 2500) of level 0
+  tessera-edit http://127.0.0.1:7070 road move 700 4100 2500 --turn 0.25
+  tessera-edit http://127.0.0.1:7070 road --json remove 700 >> done.jsonl
   tessera-edit http://127.0.0.1:7070 road undo done.jsonl
       takes the last edit of that file back
-  tessera-edit http://127.0.0.1:7070 meadow paint areas 100 40 32 32 3 --disc
-  tessera-edit http://127.0.0.1:7070 meadow set flowers count 12
-  tessera-edit http://127.0.0.1:7070 board animate message --density 0.8
-  tessera-edit http://127.0.0.1:7070 board clock pause --step 100
+  tessera-edit http://127.0.0.1:7070 meadow-sand paint areas 4 4 8 8 1 --disc
+  tessera-edit http://127.0.0.1:7070 flower-field set open target_distance.near_texels 12
+  tessera-edit http://127.0.0.1:7070 message-board animate lit --density 0.8
+  tessera-edit http://127.0.0.1:7070 message-board clock pause --step 100
   tessera-edit http://127.0.0.1:7070 road watch --seconds 60
       a JSON line for each edit, stale pages, people and the clock, as proto/stream.proto's ServerMessage has them
   generate | tessera-edit http://127.0.0.1:7070 road lines
