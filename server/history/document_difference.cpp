@@ -1,6 +1,7 @@
 #include "server/history/document_difference.h"
 
 #include <algorithm>
+#include <chrono>
 #include <set>
 #include <string>
 #include <utility>
@@ -106,6 +107,15 @@ void add_fields(const Named& named, const SceneState& now, const SceneState& the
     }
 }
 
+/// About which step the clock shows.
+std::int64_t step_now(const proto::ClockState& clock) {
+    if (!clock.playing()) return clock.step();
+    const auto now = std::chrono::duration_cast<std::chrono::milliseconds>(
+        std::chrono::system_clock::now().time_since_epoch());
+    return clock.step() + static_cast<std::int64_t>(static_cast<double>(now.count() - clock.at_ms()) *
+                                                    clock.steps_per_second() / 1000);
+}
+
 void add_animations(const Named& named, const SceneState& now, const SceneState& then,
                     std::vector<proto::Change>& changes) {
     for (const std::string& name : named.animations) {
@@ -122,6 +132,10 @@ void add_animations(const Named& named, const SceneState& now, const SceneState&
             if (from.has_rest()) *change.mutable_rest() = from.rest();
             if (from.has_density()) change.set_density(from.density());
         };
+        // Behind all that is still to come
+        std::int64_t last = step_now(now.clock);
+        for (const auto& each : old->animation_map().changes())
+            if (each.step() > last) change.set_step(last = each.step());
         take(wanted->animation_map());
         for (const auto& each : wanted->animation_map().changes()) take(each);
     }
