@@ -115,8 +115,7 @@ Routes::Outcome Routes::page(const RequestHead& request, const Site& site,
                          {static_cast<std::uint8_t>(n - address->z), static_cast<std::uint32_t>(address->x),
                           static_cast<std::uint32_t>(address->y)},
                          {address->format, ContentCoding::identity, query->gutter, query->accuracy,
-                          query->channels, query->slice, query->max_error, query->step,
-                          query->parameter},
+                          query->channels, query->slice, query->max_error, query->step, query->parameter},
                          urgency_of(request["Priority"])},
                         address->pin.has_value()};
     PageRequest& wanted = pending.request;

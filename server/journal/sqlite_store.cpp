@@ -192,7 +192,8 @@ Result<void> SqliteStore::connect() {
         {"UPDATE journal SET forgotten = ?1", &note_forgotten_},
         {"SELECT revision, id, accepted, bytes, checksum, step FROM edit WHERE id = ?1", &find_},
         {"SELECT accepted FROM edit WHERE revision = ?1", &accepted_},
-        {"SELECT revision, id, accepted, bytes, checksum, step FROM edit WHERE revision >= ?1 ORDER BY revision",
+        {"SELECT revision, id, accepted, bytes, checksum, step FROM edit WHERE revision >= ?1 ORDER BY "
+         "revision",
          &read_},
     };
     for (const auto& [sql, statement] : statements) {
@@ -384,7 +385,8 @@ int SqliteStore::checkpoint() {
 Result<Edit> SqliteStore::edit_of(const sqlite::Statement& row) const {
     const auto revision = static_cast<Revision>(row.number(0));
     const std::string_view id = row.bytes(1), bytes = row.bytes(3);
-    if (id.size() != sizeof(EditId) || checksum_of(revision, id, row.number(2), bytes, row.number(5)) != row.number(4))
+    if (id.size() != sizeof(EditId) ||
+        checksum_of(revision, id, row.number(2), bytes, row.number(5)) != row.number(4))
         return Error{ErrorCode::invalid_input, options_.file.string() + ": edit " + std::to_string(revision) +
                                                    " is damaged: put back a copy, or move it away"};
     return Edit{revision, id_of(id), time_of(row.number(2)), std::string{bytes}, row.number(5)};

@@ -17,8 +17,9 @@ struct EncodedPage {
     PageOptions options;
     std::uint64_t revision = 0;                 ///< The page's own.
     std::shared_ptr<const EncodedBytes> bytes;  ///< The message body; one-colour pages share theirs.
-    std::optional<std::uint32_t> colour{};  ///< Of all texels, if they have one: as in an Rgba8Image, R lowest.
-    std::string prelude;                        ///< What the listener says before every copy of `bytes`.
+    std::optional<std::uint32_t>
+        colour{};         ///< Of all texels, if they have one: as in an Rgba8Image, R lowest.
+    std::string prelude;  ///< What the listener says before every copy of `bytes`.
     Evaluation evaluation;
     Accuracy accuracy = Accuracy::high;  ///< That it was evaluated with.
     bool within_limit = true;            ///< Whether the bound keeps options.max_error.

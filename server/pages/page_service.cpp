@@ -250,8 +250,8 @@ Result<PagePtr> PageService::evaluate(PageJob& job) {
     page->within_limit = evaluated_within->met;
     if (is_one_colour(image)) {
         const std::uint8_t* const texel = image.bytes.data();
-        page->colour = std::uint32_t{texel[0]} | std::uint32_t{texel[1]} << 8 | std::uint32_t{texel[2]} << 16 |
-                       std::uint32_t{texel[3]} << 24;
+        page->colour = std::uint32_t{texel[0]} | std::uint32_t{texel[1]} << 8 |
+                       std::uint32_t{texel[2]} << 16 | std::uint32_t{texel[3]} << 24;
         auto shared = one_colour_pages_.encode(image, texture->texel_kind(), request.options.format,
                                                request.options.coding);
         if (!shared) return shared.error();

@@ -51,7 +51,8 @@ class PositioningMap {
     /// The same, of those that meet it at a step.
     std::vector<Sprite> meeting_at(const TexelBox& box, Step step) const;
 
-    /// At most `most` of those that meeting() finds, whichever are found first; all of them, if they are fewer.
+    /// At most `most` of those that meeting() finds, whichever are found first; all of them, if they are
+    /// fewer.
     std::vector<Sprite> some_meeting(const TexelBox& box, std::size_t most) const;
 
     /// Whether any sprite's box_of() meets `box`.

@@ -57,7 +57,7 @@ class SimulatedStream : public PageSource {
     std::uint64_t revision_of(PageKey page) const;
     std::size_t under_way() const { return under_way_.size(); }
 
-    Step interval = 0;  ///< Pages change every so many steps; 0: never.
+    Step interval = 0;               ///< Pages change every so many steps; 0: never.
     std::vector<PageRequest> asked;  ///< All requests ever; tests may clear it.
     std::uint64_t pages_sent = 0;
     std::uint64_t bytes_sent = 0;

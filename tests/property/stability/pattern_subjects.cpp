@@ -47,7 +47,8 @@ class MadeFiles final : public BlockFiles {
         const std::uint64_t states = image == "binary" ? 2 : 4;
         StoredMap map{13, 11, {}, StoredMap::Edge::wrap, 0, 0, 0};
         for (std::int64_t i = 0; i < 13 * 11; ++i)
-            map.values.own().push_back(static_cast<std::int32_t>(hash(78, stream("made map"), i, 0) % states));
+            map.values.own().push_back(
+                static_cast<std::int32_t>(hash(78, stream("made map"), i, 0) % states));
         return map;
     }
     Result<std::shared_ptr<const Texture>> read_exchange(const std::string&, const proto::Block&) override {
