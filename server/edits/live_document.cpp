@@ -86,6 +86,12 @@ bool changes_document(const proto::Edit& edit) {
     });
 }
 
+bool plans_scene(const proto::Edit& edit) {
+    return std::any_of(edit.changes().begin(), edit.changes().end(), [](const proto::Change& change) {
+        return change.has_set_parameter() || change.has_change_animation();
+    });
+}
+
 std::string name_of_change(int i, const proto::Change& change) {
     const auto* kind = proto::Change::descriptor()->FindFieldByNumber(change.change_case());
     return "changes[" + std::to_string(i) + "]" + (kind != nullptr ? "." + kind->name() + "." : ": ");
@@ -112,8 +118,14 @@ Result<DocumentEdit> apply_to_document(const proto::Edit& edit, const EditInstan
                                        LiveDocument& document) {
     DocumentEdit done;
     LiveDocument next = document;
+    int plans = 0;
     for (int i = 0; i < edit.changes_size(); ++i) {
         const proto::Change& change = edit.changes(i);
+        if (change.has_paint_map() && !next.settled && ++plans > max_plans_of_edit)
+            return Error{ErrorCode::invalid_input,
+                         name_of_change(i, change) + "block: the edit plans the scene more than " +
+                             std::to_string(max_plans_of_edit) +
+                             " times; paint before setting parameters, or send several edits"};
         proto::Change inverse;
         Result<void> made;
         switch (change.change_case()) {

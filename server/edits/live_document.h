@@ -51,6 +51,10 @@ struct DocumentEdit {
     std::vector<proto::Effect> effects;
 };
 
+/// Of the whole scene, on behalf of one edit whose paint follows what it set. Each takes a tenth of a second
+/// or so.
+inline constexpr int max_plans_of_edit = 32;
+
 /// Makes all of an edit's changes that are not of sprites, or none. The same edit at the same instant on the
 /// same document gives the same document. Error: invalid_input; the message names the change and what is
 /// wrong.
@@ -59,6 +63,9 @@ Result<DocumentEdit> apply_to_document(const proto::Edit& edit, const EditInstan
 
 /// Whether it changes anything but sprites.
 bool changes_document(const proto::Edit& edit);
+
+/// Whether the scene is planned anew for it, each time that it is replayed.
+bool plans_scene(const proto::Edit& edit);
 
 /// The start of a message on changes[i]: "changes[3].paint_map.".
 std::string name_of_change(int i, const proto::Change& change);

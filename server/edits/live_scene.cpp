@@ -19,6 +19,9 @@ namespace {
 constexpr std::size_t most_in_commit = 512;
 constexpr std::size_t most_in_group = LiveScene::max_in_group;
 constexpr std::size_t page_revision_bytes = std::size_t{32} << 20;
+/// After so many edits that a restart would plan again there is a snapshot: a slider that was dragged for a
+/// minute must not cost a start of minutes.
+constexpr std::size_t planned_edits_of_snapshot = 64;
 
 EditRefusal refusal_of(const Refused& refused, Revision head) {
     using Why = EditRefusal::Why;
@@ -164,6 +167,7 @@ Result<void> LiveScene::recover(Progress& progress) {
         if (head_ != head) return Error{ErrorCode::cancelled, "stopped"};
     }
     publish();
+    count_planned(changes_);
     changes_.clear();
     return {};
 }
@@ -423,6 +427,7 @@ void LiveScene::finish(std::unique_lock<std::mutex> lock) {
     if (!changes_.empty()) {
         publish();
         changes = std::exchange(changes_, {});
+        count_planned(changes);
         for (const auto& listener : listeners_)
             if (auto kept = listener.lock()) listeners.push_back(std::move(kept));
         keep_snapshot();
@@ -494,9 +499,17 @@ proto::LiveState LiveScene::state() const {
     return state_of(map, *document, revision);
 }
 
+void LiveScene::count_planned(const std::vector<Change>& changes) {
+    for (const Change& change : changes)
+        if (change.edit && plans_scene(*change.edit)) ++planned_since_snapshot_;
+}
+
 void LiveScene::keep_snapshot() {
-    if (keeps_snapshot_ || closing_ || !journal_->status().snapshot_due) return;
+    const std::size_t many_plans = planned_edits_of_snapshot + book_.map().size() / 1024;
+    if (keeps_snapshot_ || closing_) return;
+    if (planned_since_snapshot_ < many_plans && !journal_->status().snapshot_due) return;
     keeps_snapshot_ = true;
+    planned_since_snapshot_ = 0;
     if (snapshots_.joinable()) snapshots_.join();
     snapshots_ = std::jthread{
         [this, map = book_.map(), document = document_, revisions = page_revisions_, revision = head_] {

@@ -132,6 +132,7 @@ class LiveScene final : public SceneNow {
     void take_back();
     void apply(const Edit& edit);
     void publish();
+    void count_planned(const std::vector<Change>& changes);
     void keep_snapshot();
     SceneClock::Time now_at() const;
     static proto::LiveState state_of(const PositioningMap& map, const LiveDocument& document,
@@ -172,6 +173,7 @@ class LiveScene final : public SceneNow {
     std::vector<std::weak_ptr<Listener>> listeners_;
     std::jthread snapshots_;
     bool keeps_snapshot_ = false;
+    std::size_t planned_since_snapshot_ = 0;  ///< Edits that a restart would have to plan again.
 
     std::unique_ptr<Journal> owned_journal_;
     Journal* const journal_;  ///< The same; it still answers while it is being closed.

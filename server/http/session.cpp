@@ -256,7 +256,7 @@ Task<bool> Session::wait_for_edit(PendingEdit pending, const RequestHead& reques
         outcome.index() == 0
             ? std::move(std::get<0>(outcome).value())
             : EditRefusal{EditRefusal::Why::unknown,
-                          "the disk takes too long; send the edit again to learn whether it is in", 0};
+                          "it takes too long; send the edit again to learn whether it is in", 0};
     const Answer answer = Routes::edit_answer(how, pending.answer_coding);
     co_return co_await send(answer, true, request.keep_alive);
 }

@@ -170,7 +170,7 @@ TEST_F(DocumentEdits, ParametersThatAreNotEditableOrDoNotFitAreRefused) {
     EXPECT_NE(refusal(edit).find("is no number"), std::string::npos);
 }
 
-TEST_F(DocumentEdits, AMaterialThatIsPaintedCannotBeTakenAwayUnderThePaint) {
+TEST_F(DocumentEdits, WhatIsPaintedIsPartOfTheWholeMessage) {
     proto::Edit edit;
     paint(edit, "mask", 0, 0, 2, 2, 1);
     ASSERT_TRUE(apply(edit));
@@ -224,6 +224,19 @@ TEST_F(DocumentEdits, ManyChangesOfAnAnimationAreFoldedWhenTheyAreOver) {
     EXPECT_NE(refusal(edit).find("from 0 to 32767"), std::string::npos);
     change.set_block("open");
     EXPECT_NE(refusal(edit).find("is no animation map"), std::string::npos);
+}
+
+TEST_F(DocumentEdits, AnEditThatPlansTheSceneAgainAndAgainIsRefused) {
+    proto::Edit edit;
+    for (int i = 0; i <= max_plans_of_edit; ++i) {
+        set(edit, "which", "count", 2 + i % 2);
+        paint(edit, "kinds", 0, 0, 1, 1, 0);
+    }
+    EXPECT_NE(refusal(edit).find("send several edits"), std::string::npos);
+    proto::Edit paint_first;
+    for (int i = 0; i <= max_plans_of_edit; ++i) paint(paint_first, "kinds", 0, 0, 1, 1, 0);
+    set(paint_first, "which", "count", 2);
+    EXPECT_TRUE(apply(paint_first));
 }
 
 TEST_F(DocumentEdits, TargetsAreSetMovedAndRemoved) {
