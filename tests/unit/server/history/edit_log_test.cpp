@@ -88,8 +88,10 @@ TEST_F(EditLog, IsAMessageALineInJson) {
 TEST_F(EditLog, BeyondTheHorizonIsRefusedByName) {
     append(20);
     ASSERT_TRUE(keep_snapshot_and_wait(*journal_, {20, "state"}));
-    append(20);
-    // Forgotten where nobody waits
+    append(10);
+    ASSERT_TRUE(keep_snapshot_and_wait(*journal_, {30, "state"}));
+    append(10);
+    // Forgotten where nobody waits, behind the last snapshot but one
     for (int i = 0; i < 500 && journal_->status().oldest == 1; ++i)
         std::this_thread::sleep_for(std::chrono::milliseconds{10});
     const Revision oldest = journal_->status().oldest;
