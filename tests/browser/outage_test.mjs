@@ -52,10 +52,11 @@ test('a scene that the server loads anew is shown anew, as soon as a page is ask
   t.after(() => stage.scenes.paint_clay(clay));
   const fingerprint = async () => (await (await fetch(`${server.origin}/scenes/clay`)).json()).tessera.fingerprint;
   const before_reload = await fingerprint();
+  // Either the stream's next hello or the first refused page makes the viewer ask again, whichever is sooner.
+  const asked_again = page.waitForResponse((response) => response.url().endsWith('/scenes/clay') && response.ok());
   server.reload_scenes();
   while ((await fingerprint()) === before_reload) await page.waitForTimeout(20);
 
-  const asked_again = page.waitForResponse((response) => response.url().endsWith('/scenes/clay') && response.ok());
   await page.keyboard.press('Shift+ArrowRight');
   await page.keyboard.press('Shift+ArrowRight');
   await asked_again;
