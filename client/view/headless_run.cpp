@@ -9,6 +9,7 @@
 #include <xxhash.h>
 
 #include "client/render/gl_context.h"
+#include "client/view/frame_painter.h"
 #include "client/view/png_file.h"
 #include "shared/wire/json.h"
 
@@ -32,7 +33,7 @@ std::string hash_of(const Rgba8Image& image) {
 class Run {
   public:
     Run(const HeadlessJob& job, PlaneScene& scene, const std::function<void(std::chrono::milliseconds)>& wait)
-        : job_{job}, scene_{scene}, wait_{wait}, target_{job.width, job.height} {}
+        : job_{job}, painter_{scene}, wait_{wait}, target_{job.width, job.height} {}
 
     Result<view::RunMetrics> all_frames() {
         begin_ = Clock::now();
@@ -41,9 +42,9 @@ class Run {
         }
         if (!job_.settle) {
             const auto stopped = Clock::now();
-            const PlaneView view{job_.path.at(job_.path.end_seconds()), job_.width, job_.height};
+            ViewFrame last = frame_at(job_.path.end_seconds());
             view::FrameMetrics after;
-            if (const auto sharp = until_sharp(view, after); !sharp) return sharp.error();
+            if (const auto sharp = until_sharp(last, after); !sharp) return sharp.error();
             metrics_.mutable_totals()->set_time_to_sharp_ms(milliseconds_since(stopped));
         }
         sum_up();
@@ -55,24 +56,34 @@ class Run {
         return std::chrono::duration_cast<ClientTime>(Clock::now() - begin_) + ClientTime{1};
     }
 
-    ResidencyFrame update(const PlaneView& view, view::FrameMetrics& frame) {
+    ViewFrame frame_at(double time) const {
+        return {.camera = job_.path.at(time),
+                .width = job_.width,
+                .height = job_.height,
+                .time = now(),
+                .filter = job_.filter,
+                .fade_ms = job_.settle ? 0.0F : 150.0F};
+    }
+
+    ResidencyFrame update(ViewFrame& shown, view::FrameMetrics& frame) {
+        shown.time = now();
         const auto started = Clock::now();
-        const auto requested = scene_.residency().requests().counts().requested;
-        ResidencyFrame outcome = scene_.update(view, now(), job_.filter);
-        frame.set_requests(
-            frame.requests() +
-            static_cast<std::uint32_t>(scene_.residency().requests().counts().requested - requested));
+        const auto requested = painter_.scene().residency().requests().counts().requested;
+        ResidencyFrame outcome = painter_.update(shown);
+        frame.set_requests(frame.requests() +
+                           static_cast<std::uint32_t>(
+                               painter_.scene().residency().requests().counts().requested - requested));
         frame.set_uploads(frame.uploads() + static_cast<std::uint32_t>(outcome.uploads.size()));
         frame.set_update_ms(frame.update_ms() + milliseconds_since(started));
         return outcome;
     }
 
-    Result<void> until_sharp(const PlaneView& view, view::FrameMetrics& frame) {
+    Result<void> until_sharp(ViewFrame& shown, view::FrameMetrics& frame) {
         auto last_arrival = Clock::now();
-        for (ResidencyFrame outcome = update(view, frame); !outcome.is_sharp();
-             outcome = update(view, frame)) {
+        for (ResidencyFrame outcome = update(shown, frame); !outcome.is_sharp();
+             outcome = update(shown, frame)) {
             if (!outcome.uploads.empty()) last_arrival = Clock::now();
-            const PageRequests& requests = scene_.residency().requests();
+            const PageRequests& requests = painter_.scene().residency().requests();
             if (Clock::now() - last_arrival > job_.patience) {
                 return Error{ErrorCode::io_failure,
                              std::to_string(outcome.missing) + " pages did not come within " +
@@ -91,9 +102,9 @@ class Run {
         const double time = job_.frames == 1 ? begin : begin + (end - begin) * index / (job_.frames - 1);
         if (!job_.settle) std::this_thread::sleep_until(begin_ + std::chrono::duration<double>(time - begin));
         const auto started = Clock::now();
-        const PlaneView view{job_.path.at(time), job_.width, job_.height};
+        ViewFrame shown = frame_at(time);
         view::FrameMetrics& frame = *metrics_.add_frames();
-        const ResidencyFrame first = update(view, frame);
+        const ResidencyFrame first = update(shown, frame);
         frame.set_time(time);
         frame.set_needed_pages(static_cast<std::uint32_t>(first.needed));
         frame.set_missing_pages(static_cast<std::uint32_t>(first.missing));
@@ -101,16 +112,13 @@ class Run {
         frame.set_resident_share(first.resident_share);
         frame.set_lod_bias(first.lod_bias);
         if (job_.settle) {
-            if (const auto sharp = until_sharp(view, frame); !sharp)
+            if (const auto sharp = until_sharp(shown, frame); !sharp)
                 return Error{sharp.error().code,
                              "frame " + std::to_string(index) + ": " + sharp.error().detail};
             frame.set_time_to_sharp_ms(milliseconds_since(started));
         }
         const auto drawing = Clock::now();
-        if (const auto drawn =
-                scene_.draw(target_, view, {.filter = job_.filter, .fade_ms = job_.settle ? 0.0F : 150.0F});
-            !drawn)
-            return drawn.error();
+        if (const auto drawn = painter_.draw(shown, target_); !drawn) return drawn.error();
         const Rgba8Image image = target_.read();
         frame.set_draw_ms(milliseconds_since(drawing));
         char name[32];
@@ -121,7 +129,7 @@ class Run {
     }
 
     void sum_up() {
-        const RequestCounts& counts = scene_.residency().requests().counts();
+        const RequestCounts& counts = painter_.scene().residency().requests().counts();
         view::Totals& totals = *metrics_.mutable_totals();
         metrics_.set_renderer(gl_description());
         metrics_.set_width(static_cast<std::uint32_t>(job_.width));
@@ -133,7 +141,7 @@ class Run {
         totals.set_arrived(static_cast<std::uint32_t>(counts.arrived));
         totals.set_cancelled(static_cast<std::uint32_t>(counts.cancelled));
         totals.set_failed(static_cast<std::uint32_t>(counts.failed));
-        totals.set_evictions(static_cast<std::uint32_t>(scene_.residency().cache().evictions()));
+        totals.set_evictions(static_cast<std::uint32_t>(painter_.scene().residency().cache().evictions()));
         std::vector<double> costs;
         double deficit = 0, share = 0;
         for (const view::FrameMetrics& frame : metrics_.frames()) {
@@ -152,7 +160,7 @@ class Run {
     }
 
     const HeadlessJob& job_;
-    PlaneScene& scene_;
+    FramePainter painter_;
     const std::function<void(std::chrono::milliseconds)>& wait_;
     FrameTarget target_;
     Clock::time_point begin_;

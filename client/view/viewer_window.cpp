@@ -13,6 +13,7 @@
 
 #include "client/render/glfw_window.h"
 #include "client/view/camera_path.h"
+#include "client/view/frame_painter.h"
 #include "client/view/panels.h"
 #include "client/view/png_file.h"
 #include "client/view/window_input.h"
@@ -66,7 +67,7 @@ class Viewer {
           server_{server.authority()},
           source_{source},
           window_{window},
-          scene_{scene},
+          painter_{scene},
           panels_{window},
           control_{start, info.extent},
           input_{window, control_, start} {
@@ -106,17 +107,10 @@ class Viewer {
         input_.advance(seconds, switches_);
         glfwSwapInterval(switches_.vsync ? 1 : 0);
 
-        const PlaneView view{control_.camera(), size.width, size.height};
-        const auto now = std::chrono::duration_cast<ClientTime>(Clock::now() - begin_) + ClientTime{1};
-        const ViewSource::SceneTime scene_time = source_.scene_time();
-        const FrameTime time{now, scene_time.step, scene_time.steps_per_second};
-        const ResidencyFrame frame = scene_.update(view, time, switches_.filter);
-        const auto drawn = scene_.draw(*target_, view,
-                                       {.filter = switches_.filter,
-                                        .fade_ms = switches_.fade ? 150.0F : 0.0F,
-                                        .haze = switches_.haze,
-                                        .page_borders = switches_.page_borders});
-        if (!drawn) give_up_filter(drawn.error());
+        const ViewFrame shown = frame_of(size);
+        const PlaneView view = shown.view();
+        const ResidencyFrame frame = painter_.update(shown);
+        if (const auto drawn = painter_.draw(shown, *target_); !drawn) give_up_filter(drawn.error());
         target_->blit_to_window();
         glBindFramebuffer(GL_FRAMEBUFFER, 0);
 
@@ -124,19 +118,32 @@ class Viewer {
         PanelContents contents{
             .scene = info_,
             .server = server_,
-            .plane = scene_,
+            .plane = painter_.scene(),
             .view = view,
             .frame = frame,
             .times = times_,
-            .cursor = read_cursor(view, scene_.residency(), frame.lod_bias, cursor.x, cursor.y),
+            .cursor = read_cursor(view, painter_.scene().residency(), frame.lod_bias, cursor.x, cursor.y),
             .source = source_.state(),
-            .step = scene_time.step,
+            .step = shown.time.step,
             .bytes_received = source_.bytes_received(),
             .scale = panels_.scale()};
         draw_panels(contents, switches_);
         panels_.end();
         answer_requests(input_.take_requests());
         return frame.is_sharp();
+    }
+
+    ViewFrame frame_of(GlfwWindow::Size size) const {
+        const auto now = std::chrono::duration_cast<ClientTime>(Clock::now() - begin_) + ClientTime{1};
+        const ViewSource::SceneTime scene_time = source_.scene_time();
+        return {.camera = control_.camera(),
+                .width = size.width,
+                .height = size.height,
+                .time = {now, scene_time.step, scene_time.steps_per_second},
+                .filter = switches_.filter,
+                .fade_ms = switches_.fade ? 150.0F : 0.0F,
+                .haze = switches_.haze,
+                .page_borders = switches_.page_borders};
     }
 
     /// A filter that the driver refuses is left for the one that always works.
@@ -177,7 +184,7 @@ class Viewer {
     std::string server_;
     ViewSource& source_;
     GlfwWindow& window_;
-    PlaneScene& scene_;
+    FramePainter painter_;
     Panels panels_;
     CameraControl control_;
     WindowInput input_;
