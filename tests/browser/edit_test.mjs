@@ -22,6 +22,11 @@ async function open_editor(t, options = {}) {
   await opened.page.getByRole('complementary', {name: 'Editor'}).waitFor();
   await opened.page.waitForFunction(() => document.querySelectorAll('.pattern canvas').length === 2);
   const {page} = opened;
+  // The list of sprites comes by itself, some time after the panel
+  if (options.sprites?.some(({x, y}) => x === one.x && y === one.y)) {
+    await page.mouse.move(...pixel(one.x, one.y));
+    await page.locator('[data-cursor=move]').waitFor();
+  }
   const drag = async (from, to, {is_down = false} = {}) => {
     if (!is_down) await page.mouse.move(...from);
     if (!is_down) await page.mouse.down();

@@ -20,6 +20,8 @@ export class Editor {
   #closed = new AbortController();
   #hand;
   #texel = /** @type {{x: number, y: number} | null} */ (null);
+  /** Where the pointer hovers. @type {number[] | null} */
+  #pixel = null;
   #selected = /** @type {bigint[]} */ ([]);
   #placing = /** @type {number | null} */ (null);
   /** What the drag under way started from. @type {import('./sprite.js').Sprite[]} */
@@ -171,6 +173,7 @@ export class Editor {
 
   /** @param {number[] | null} pixel @param {{x: number, y: number} | null} texel */
   hover(pixel, texel) {
+    this.#pixel = pixel;
     this.#texel = texel;
     const handle = pixel && this.#placing === null ? this.layer.handle_at(pixel) : null;
     this.hovered = texel && this.#placing === null && !handle ? this.sprite_at(texel) : undefined;
@@ -407,7 +410,10 @@ export class Editor {
       this.#map.changed();
     });
     this.book = new SpriteBook(this.#map.texture, this.patterns);
-    this.book.addEventListener('change', () => this.#show());
+    this.book.addEventListener('change', () => {
+      if (this.active && !this.is_dragging) this.hover(this.#pixel, this.#texel);  // the cursor says what a press would take
+      this.#show();
+    });
     this.palette.offer(this.patterns);
   }
 
