@@ -201,6 +201,36 @@ test('an edit whose answer a break swallowed is sent again, with its own id', as
   assert.equal(server.edit_ids.length, 2);
 });
 
+test("what another holds is seen in that hand only, then where it was put, or back where it was", async (t) => {
+  const server = await start_sprite_server({web: web_folder, sprites: [one]});
+  t.after(server.stop);
+  const {page, close} = await open_page(stage.browser, `${server.origin}/${view}`);
+  t.after(close);
+  await all_pages_shown(page);
+  await server.connected();
+  const [from, to, beyond] = [[1152, 640], [1352, 700], [1000, 500]];
+  const shown_at = async (place) => {
+    for (const other of [from, to, beyond]) await wait_for_colour(page, pixel(...other), other === place ? square : ground);
+  };
+  const hold = (place) => server.tell_all('present', {people: [{
+    session: 7n, name: 'Anna', mayEdit: true,
+    presence: {x: 1000, y: 900, level: 0, ...(place && {held: {id: 1n, pattern: 0, x: place[0], y: place[1], scale: 1, turn: 0}})},
+  }]});
+  await shown_at(from);
+  hold(to);
+  await shown_at(to);
+  hold(null);
+  await shown_at(from);
+
+  hold(to);
+  await shown_at(to);
+  hold(null);
+  server.move_by(7n, 1n, {x: to[0], y: to[1]});
+  await shown_at(to);
+  hold(beyond);
+  await shown_at(beyond);
+});
+
 test('who may not edit is told why, and looks on', async (t) => {
   const server = await start_sprite_server({web: web_folder, sprites: [one], hello: {mayEdit: false, whyNot: 'Edits from afar need a token: ask who runs the server.'}});
   t.after(server.stop);

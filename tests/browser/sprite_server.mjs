@@ -79,5 +79,14 @@ export async function start_sprite_server({web, sprites = [], page_delay = 0, he
         done({answer: {revision: BigInt(revision), inverse: {changes: inverse}, dirty: boxes.map(({x0, y0, x1, y1}) => ({x0: BigInt(x0), y0: BigInt(y0), x1: BigInt(x1), y1: BigInt(y1)}))}}));
     },
   });
-  return {...server, here, lifted_asked, state};
+  /** Another session's edit. @param {bigint} session @param {bigint} id @param {{x: number, y: number}} to */
+  const move_by = (session, id, to) => {
+    const old = here.get(id);
+    here.set(id, {...old, ...to});
+    const boxes = [box_of(old), box_of(here.get(id))];
+    const dirty = boxes.map(({x0, y0, x1, y1}) => ({x0: BigInt(x0), y0: BigInt(y0), x1: BigInt(x1), y1: BigInt(y1)}));
+    server.touch(box_pages(boxes, 4), (revision) =>
+      server.tell_all('editDone', {id: `other-${revision}`, session, author: 'Anna', answer: {revision: BigInt(revision), dirty}, changes: [{change: {case: 'moveSprite', value: {id, ...to}}}]}));
+  };
+  return {...server, here, lifted_asked, state, move_by};
 }

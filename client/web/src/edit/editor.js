@@ -3,10 +3,11 @@ import {Carry} from './carry.js';
 import {listen_to_editor_keys} from './editor_keys.js';
 import {Hand, put_at} from './hand.js';
 import {History} from './history.js';
+import {OthersHands} from './others_hands.js';
 import {Palette} from './palette.js';
 import {PatternImages} from './pattern_images.js';
 import {SelectionBar} from './selection_bar.js';
-import {at_step, box_around, box_of, changes_between, new_sprite_id, placement_of, settled, sprite_of, transformed} from './sprite.js';
+import {at_step, box_around, box_of, changes_between, new_sprite_id, placement_of, settled, transformed} from './sprite.js';
 import {numbers_of, SpriteBook} from './sprite_book.js';
 import {SpriteLayer} from './sprite_layer.js';
 
@@ -27,6 +28,11 @@ export class Editor {
   /** What the drag under way started from. @type {import('./sprite.js').Sprite[]} */
   #taken = [];
   #carry = /** @type {Carry | null} */ (null);
+  #others = new OthersHands({
+    find: (id) => this.book?.find(id),
+    take: (sprite, held) => this.#carry_of([sprite], [held]),
+    let_go: (carry) => this.#let_go(carry),
+  });
   active = false;
   side = 1;
   /** Sprites that are drawn over the pages: the one in the hand last. @type {Carry[]} */
@@ -68,12 +74,13 @@ export class Editor {
     this.history.addEventListener('change', () => this.#show_history(), until);
     live.addEventListener('rights', () => this.#follow_rights(), until);
     live.addEventListener('edit', (event) => this.#heard(/** @type {CustomEvent} */ (event).detail), until);
-    live.people.addEventListener('moved', () => this.#map.changed(), until);
+    live.people.addEventListener('moved', () => this.#follow_others(), until);
     listen_to_editor_keys(this, () => this.#map.resolution(), this.#closed.signal);
   }
 
   close() {
     this.#closed.abort();
+    this.#others.close();
     this.patterns?.close();
     this.book?.close();
     for (const carry of this.carries) carry.close();
@@ -102,12 +109,12 @@ export class Editor {
     return this.#placing === null || !this.#texel ? null : settled({id: 0n, pattern: this.#placing, ...this.#texel, scale: 1, turn: 0, order: 0, path: null, first_step: -Infinity, end_step: Infinity});
   }
 
-  /** What others have in their hands. */
+  /** What others have in their hands or have selected, as it is drawn now. @returns {{sprite: import('./sprite.js').Sprite, colour: string, held: boolean}[]} */
   get others() {
-    return [...this.#live.people.here.values()].map(({colour, held, selected}) => ({
-      colour, held: held ? sprite_of(held) : null,
-      selected: selected.map((id) => this.book?.find(id)).filter((sprite) => sprite !== undefined),
-    }));
+    const held = this.#others.held;
+    const selected = [...this.#live.people.here.values()].flatMap(({colour, selected}) =>
+      selected.filter((id) => !held.some(({sprite}) => sprite.id === id)).map((id) => ({sprite: this.book?.find(id), colour, held: false})));
+    return /** @type {any} */ ([...selected.filter(({sprite}) => sprite !== undefined), ...held.map((hand) => ({...hand, held: true}))]);
   }
 
   // ---- What the map asks
@@ -139,7 +146,7 @@ export class Editor {
 
   /** After each frame. @param {{x0: number, y0: number, x1: number, y1: number}} view */
   look_at(view) {
-    if (this.active) this.book?.look_at(view);
+    if (this.active || this.#others.hold_something) this.book?.look_at(view);
   }
 
   // ---- The mode
@@ -412,6 +419,7 @@ export class Editor {
     this.book = new SpriteBook(this.#map.texture, this.patterns);
     this.book.addEventListener('change', () => {
       if (this.active && !this.is_dragging) this.hover(this.#pixel, this.#texel);  // the cursor says what a press would take
+      this.#others.follow(this.#live.people.here);
       this.#show();
     });
     this.palette.offer(this.patterns);
@@ -420,7 +428,14 @@ export class Editor {
   /** @param {{done: any, changes: any[]}} news */
   #heard({done, changes}) {
     if (!done.answer || done.answer.again) return;
-    this.book?.take(changes, Number(done.answer.revision), done.answer.dirty);
+    const revision = Number(done.answer.revision);
+    this.#others.edited(Number(done.session), changes, revision, done.answer.dirty.map(numbers_of));
+    this.book?.take(changes, revision, done.answer.dirty);
+  }
+
+  #follow_others() {
+    this.#others.follow(this.#live.people.here);
+    this.#map.changed();
   }
 
   #show_history() {

@@ -99,18 +99,11 @@ export class SpriteLayer extends Layer {
   }
 
   #draw_others() {
-    for (const {colour, held, selected} of this.#editor.others) {
-      if (held) {
-        const there = this.#editor.now(held);
-        this.#draw_sprite(there, 0.8);
-        this.#outline(there);
-        this.#stroke(colour, 1.5, [5, 4]);
-      }
-      for (const sprite of selected.map((sprite) => this.#editor.now(sprite))) {
-        if (held?.id === sprite.id || !boxes_meet(box_of(sprite, this.#editor.side), this.#canvas.box)) continue;
-        this.#outline(sprite);
-        this.#stroke(colour, 1.5);
-      }
+    for (const {sprite, colour, held} of this.#editor.others) {
+      const there = this.#editor.now(sprite);
+      if (!boxes_meet(box_of(there, this.#editor.side), this.#canvas.box)) continue;
+      this.#outline(there);
+      this.#stroke(colour, 1.5, held ? [5, 4] : []);
     }
   }
 
