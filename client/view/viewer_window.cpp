@@ -14,7 +14,7 @@
 #include "client/render/glfw_window.h"
 #include "client/view/camera_path.h"
 #include "client/view/frame_painter.h"
-#include "client/view/panels.h"
+#include "client/view/panels/panels.h"
 #include "client/view/png_file.h"
 #include "client/view/window_input.h"
 

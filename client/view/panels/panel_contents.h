@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "client/link/scene_info.h"
@@ -9,9 +10,6 @@
 #include "client/view/viewer_state.h"
 
 namespace tessera {
-
-/// Fonts, colours and sizes of the panels, for a screen of this scale. Once, after ImGui's context is made.
-void style_panels(float content_scale);
 
 /// What one frame's panels show.
 struct PanelContents {
@@ -27,9 +25,5 @@ struct PanelContents {
     std::uint64_t bytes_received = 0;
     float scale = 1;  ///< The screen's content scale
 };
-
-/// The panel on the left, the message in the corner while the server is in trouble, and the help, as
-/// switched.
-void draw_panels(const PanelContents& contents, ViewerSwitches& switches);
 
 }  // namespace tessera
