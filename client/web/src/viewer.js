@@ -1,12 +1,10 @@
-import OlMap from 'ol/Map.js';
-import View from 'ol/View.js';
 import DoubleClickZoom from 'ol/interaction/DoubleClickZoom.js';
 import DragZoom from 'ol/interaction/DragZoom.js';
-import {defaults as default_interactions} from 'ol/interaction/defaults.js';
 
 import {format_address} from './address.js';
+import {watch_cache} from './cache_watch.js';
 import {channel_name, channels_chosen, ChannelSelector, usual_channels} from './channels.js';
-import {element, icon, icon_button, mark} from './dom.js';
+import {element, icon_button} from './dom.js';
 import {Editor} from './edit/editor.js';
 import {go_to_box} from './go_to.js';
 import {listen_to_keys} from './keyboard.js';
@@ -14,7 +12,7 @@ import {level_range, LevelRail} from './level_rail.js';
 import {with_separators} from './numbers.js';
 import {choices, chosen, options_menu} from './options_menu.js';
 import {PageGridLayer} from './page_grid_layer.js';
-import {level_for, PageLayer, texel_projection} from './page_layer.js';
+import {level_for, PageLayer} from './page_layer.js';
 import {PageLedger} from './page_ledger.js';
 import {PageStore} from './page_store.js';
 import {Player, step_chosen} from './player.js';
@@ -23,7 +21,8 @@ import {Live} from './live/live.js';
 import {SceneClock} from './live/scene_clock.js';
 import {connection} from './server.js';
 import {slice_chosen, slice_within, SliceControl} from './slices.js';
-import {kind_name} from './texture.js';
+import {make_map} from './texture_map.js';
+import {viewer_element} from './viewer_element.js';
 import {ViewMotion} from './view_motion.js';
 
 /** The viewer of one texture: map, bars and keys. */
@@ -34,7 +33,7 @@ export class Viewer {
   #pages;
   #grid;
   #clock = new SceneClock();
-  /** @type {OlMap} */
+  /** @type {import('ol/Map.js').default} */
   #map;
   #motion;
   /** @type {{x: number, y: number} | null} The texel under the pointer. */
@@ -138,25 +137,7 @@ export class Viewer {
   }
 
   #make_map() {
-    const {finest, coarsest} = level_range(this.texture);
-    const side = this.texture.side_texels;
-    const map = new OlMap({
-      controls: [],
-      interactions: default_interactions({altShiftDragRotate: false, pinchRotate: false, keyboard: false}),
-      layers: [this.#pages, this.editor.layer, this.#grid],
-      view: new View({
-        projection: texel_projection(this.texture),
-        center: [side / 2, -side / 2],
-        resolution: 1,
-        minResolution: 2 ** finest,
-        maxResolution: 2 ** coarsest,
-        extent: [0, -side, side, 0],
-        constrainOnlyCenter: true,
-        smoothExtentConstraint: false,
-        smoothResolutionConstraint: false,
-        enableRotation: false,
-      }),
-    });
+    const map = make_map(this.texture, [this.#pages, this.editor.layer, this.#grid]);
     map.on('pointermove', (event) => {
       if (event.dragging) return;
       const [x, y] = event.coordinate;
@@ -203,54 +184,11 @@ export class Viewer {
       chosen: () => this.page.moved(this.#hash(), false),
     });
     this.grid_button = icon_button('Page grid (G)', 'grid', () => this.#toggle_grid(), {'aria-pressed': 'false'});
-    const side = with_separators(texture.side_texels);
-    this.element = element(
-      'div',
-      {class: 'viewer'},
-      this.canvas,
-      this.live.cursors.element,
-      element('div', {class: 'progress', 'aria-hidden': 'true'}),
-      element(
-        'header',
-        {class: 'top-bar'},
-        element(
-          'div',
-          {class: 'panel place'},
-          element('a', {class: 'home', href: '#', title: 'All scenes (L)', 'aria-label': 'All scenes'}, icon('back'), mark()),
-          element(
-            'div',
-            {class: 'place-text'},
-            element('h1', {text: texture.title}),
-            element('p', {text: [kind_name(texture.kind), `${side}² texels`].filter(Boolean).join(' · ')}),
-          ),
-        ),
-        this.selector.element,
-        this.slices.element,
-        this.player.element,
-        this.live.panel.element,
-        element(
-          'div',
-          {class: 'panel tools', role: 'toolbar', 'aria-label': 'Tools'},
-          this.go_to.element,
-          this.editor.button,
-          this.grid_button,
-          this.menu.element,
-          icon_button('Copy a link to this view (C)', 'link', () => this.#copy_link()),
-          icon_button('Full screen (F)', 'fullscreen', () => this.#toggle_fullscreen()),
-          icon_button('Help (H)', 'help', this.page.help),
-        ),
-      ),
-      this.rail.element,
-      this.editor.palette.element,
-      element(
-        'div',
-        {class: 'lower'},
-        this.editor.bar.element,
-        element('div', {class: 'above-read-out'}, this.scale_bar.element, texture.attribution && element('p', {class: 'attribution', text: texture.attribution})),
-        this.read_out.element,
-      ),
-      this.live.sign.drawer,
-    );
+    this.element = viewer_element(this, {
+      copy_link: icon_button('Copy a link to this view (C)', 'link', () => this.#copy_link()),
+      fullscreen: icon_button('Full screen (F)', 'fullscreen', () => this.#toggle_fullscreen()),
+      help: icon_button('Help (H)', 'help', this.page.help),
+    });
   }
 
   #make_editor() {
@@ -527,18 +465,4 @@ export class Viewer {
       this.page.say('The browser did not allow full screen');
     }
   }
-}
-
-/**
- * Tells pages that the browser took out of its own cache (nothing was transferred) from those the server answered.
- * @param {PageLedger} ledger @param {AbortSignal} until
- */
-function watch_cache(ledger, until) {
-  const observer = new PerformanceObserver((list) => {
-    for (const entry of /** @type {PerformanceResourceTiming[]} */ (list.getEntries())) {
-      if (entry.transferSize === 0 && entry.decodedBodySize > 0) ledger.came_from_cache(entry.name);
-    }
-  });
-  observer.observe({type: 'resource', buffered: false});
-  until.addEventListener('abort', () => observer.disconnect());
 }
