@@ -95,6 +95,26 @@ void write_lines(Compilation& c) {
     }
 }
 
+Result<void> compile_blocks(Compilation& c, const std::vector<std::size_t>& order) {
+    // How many patterns there are says what edits may write into maps
+    const auto is_set = [&](std::size_t block) {
+        return c.graph.blocks[block].message->block_case() == proto::Block::kPatternSet;
+    };
+    for (const bool sets : {true, false})
+        for (const std::size_t block : order)
+            if (is_set(block) == sets)
+                if (auto compiled = compile_block(c, block); !compiled) return compiled.error();
+    return {};
+}
+
+/// What does not reach the output is compiled like all else, files and all, so that its faults are told; and
+/// then thrown away.
+Result<void> check_unreached(Compilation c) {
+    if (c.graph.unreached.empty()) return {};
+    if (auto compiled = compile_blocks(c, c.graph.unreached); !compiled) return compiled.error();
+    return choose_generators(c);
+}
+
 /// Their programs, now that every draw has its op; and their grids, now that they have their quadtrees.
 Result<void> compile_references(Compilation& c) {
     const std::size_t zero = c.add_constant(0, true), one = c.add_constant(number_one, true);
@@ -133,14 +153,8 @@ Result<Plan> compile_plan(const proto::Pattern& message, BlockFiles& files) {
     Compilation c{.graph = *graph, .files = files, .seed = message.seed()};
     c.blocks.resize(graph->blocks.size());
     c.notes.resize(graph->blocks.size());
-    // How many patterns there are says what edits may write into maps
-    const auto is_set = [&](std::size_t block) {
-        return graph->blocks[block].message->block_case() == proto::Block::kPatternSet;
-    };
-    for (const bool sets : {true, false})
-        for (const std::size_t block : graph->order)
-            if (is_set(block) == sets)
-                if (auto compiled = compile_block(c, block); !compiled) return compiled.error();
+    if (auto compiled = compile_blocks(c, graph->order); !compiled) return compiled.error();
+    if (auto checked = check_unreached(c); !checked) return checked.error();
     if (auto chosen = choose_generators(c); !chosen) return chosen.error();
     write_lines(c);
     find_support(c);

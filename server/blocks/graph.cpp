@@ -176,7 +176,7 @@ Result<Graph> check_graph(const proto::Pattern& message) {
             graph.blocks[reference.block].reached = true;
     }
     for (const std::size_t block : *all)
-        if (graph.blocks[block].reached) graph.order.push_back(block);
+        (graph.blocks[block].reached ? graph.order : graph.unreached).push_back(block);
     return graph;
 }
 

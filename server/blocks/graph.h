@@ -37,7 +37,8 @@ struct GraphBlock {
 /// The blocks of a scene file, names resolved.
 struct Graph {
     std::vector<GraphBlock> blocks;
-    std::vector<std::size_t> order;  ///< Those that reach the output, parts before wholes.
+    std::vector<std::size_t> order;      ///< Those that reach the output, parts before wholes.
+    std::vector<std::size_t> unreached;  ///< All others, parts before wholes.
     std::size_t output = no_block;
 
     std::size_t find(std::string_view name) const;                  ///< no_block if there is none.

@@ -87,7 +87,7 @@ struct Plan {
     std::vector<EditableMap> maps;  ///< Those that reach the output.
 };
 
-/// Where a plan's files come from. Called only for blocks that reach the output. `field` is the path of the
+/// Where a plan's files come from. Called for all blocks, since each is checked. `field` is the path of the
 /// field for messages: "pattern.blocks[3] \"tiles\".pattern_set".
 class BlockFiles {
   public:
@@ -112,8 +112,8 @@ class BlockFiles {
                                                                  const proto::Block& block) = 0;
 };
 
-/// Checks names, types, ranges and cycles, drops what does not reach the output, folds constants, and
-/// compiles the decisions. Errors: invalid_input; the message starts with the field's path
+/// Checks names, types, ranges, files and cycles of all blocks, drops those that do not reach the output,
+/// folds constants, and compiles the decisions. Errors: invalid_input; the message starts with the field's path
 /// ("pattern.blocks[3] \"areas\".cells: …") and names the fix. A cycle is told with its path ("a -> b -> a").
 Result<Plan> compile_plan(const proto::Pattern& message, BlockFiles& files);
 

@@ -18,11 +18,22 @@ const std::string index = R"({"name": "index", "virtual_indirection_map": {"grid
 const std::string texture =
     R"({"name": "t", "reference_texture": {"patterns": "set", "grid": "grid", "index": {"block": "index"}}})";
 
+/// "accepted", or the message. Where a fault is refused, it is refused in blocks that do not reach the
+/// output, too, in the same words.
 std::string refusal(const proto::Pattern& pattern) {
     TestFiles files;
     const auto plan = compile_plan(pattern, files);
     if (plan) return "accepted";
     EXPECT_EQ(plan.error().code, ErrorCode::invalid_input);
+    if (pattern.blocks_size() == 0 || !pattern.output().empty()) return plan.error().detail;
+    proto::Pattern unreached = pattern;
+    proto::Block& plain = *unreached.add_blocks();
+    plain.set_name("plain");
+    plain.mutable_constant();
+    const auto dropped = compile_plan(unreached, files);
+    if (pattern.blocks_size() < 4096) {
+        EXPECT_EQ(dropped ? "accepted" : dropped.error().detail, plan.error().detail);
+    }
     return plan.error().detail;
 }
 
