@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <tuple>
 
+#include "client/residency/stand_ins.h"
+
 namespace tessera {
 namespace {
 
@@ -83,7 +85,11 @@ void PageRequests::ask(std::vector<WantedPage> wanted, ClientTime now) {
 std::vector<ArrivedPage> PageRequests::take_arrived(std::size_t most, ClientTime now,
                                                     std::vector<PageKey>* without) {
     std::vector<ArrivedPage> arrived = source_.take_arrived(most);
-    std::erase_if(arrived, [&](const ArrivedPage& answer) {
+    std::erase_if(arrived, [&](ArrivedPage& answer) {
+        if (StandIns::is_one(answer.id)) {
+            others_.push_back(std::move(answer));
+            return true;
+        }
         const auto found = under_way_.find(answer.id);
         if (found == under_way_.end() || found->second.page != answer.page) {
             ++counts_.unasked;

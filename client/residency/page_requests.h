@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "client/residency/credit_window.h"
@@ -67,6 +68,9 @@ class PageRequests {
         return take_arrived(most, now, nullptr);
     }
 
+    /// Answers to requests that others made of the same source (StandIns), since the last call.
+    std::vector<ArrivedPage> take_others() { return std::exchange(others_, {}); }
+
     std::size_t in_flight() const { return under_way_.size(); }
     /// How many more pages may be under way now.
     std::size_t room() const { return window_.answers() - std::min(window_.answers(), under_way_.size()); }
@@ -108,6 +112,7 @@ class PageRequests {
     int failures_in_a_row_ = 0;
     ClientTime resting_until_{};
     std::uint64_t frame_ = 0;
+    std::vector<ArrivedPage> others_;
     RequestCounts counts_;
     std::string problem_;
 };

@@ -36,6 +36,9 @@ struct PageRequest {
     Urgency urgency = Urgency::sharpen;
     /// Tag of the copy that the asker has, if any: where that is right still, `unchanged` is the answer.
     std::string have{};
+    /// Sprites to be left out of the page: a hand has lifted them. With any, the answer says nothing of
+    /// versions, and `have` is empty.
+    std::vector<std::uint64_t> without{};
 };
 
 /// Which texels of a page these are.

@@ -75,6 +75,15 @@ bool PageVersions::is_stale(PageKey page, Step step) const {
            !entry.version.validity.holds(step);
 }
 
+bool PageVersions::has_seen(PageKey page, std::uint64_t revision) const {
+    const auto found = entries_.find(page);
+    if (found == entries_.end() || !found->second.is_held) return false;
+    const Entry& entry = found->second;
+    if (entry.version.history != history_) return false;
+    return entry.version.scene_revision >= revision || entry.version.revision >= revision ||
+           (told_revision_ >= revision && entry.newest <= entry.version.revision && !is_unsure(entry));
+}
+
 std::uint64_t PageVersions::least_revision(PageKey page) const {
     const auto found = entries_.find(page);
     return std::max(found == entries_.end() ? 0 : found->second.newest, unsure_before_);

@@ -33,6 +33,8 @@ class PageVersions {
     const PageVersion* held(PageKey page) const;
     /// Whether a newer version of a held page is to be had at this step.
     bool is_stale(PageKey page, Step step) const;
+    /// Whether a held page has all that edits up to a revision changed of it, as far as was told.
+    bool has_seen(PageKey page, std::uint64_t revision) const;
     /// The scene's revision that the next copy of the page has to have seen.
     std::uint64_t least_revision(PageKey page) const;
 
