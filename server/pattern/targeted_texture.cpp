@@ -30,7 +30,7 @@ constexpr std::size_t most_blocks(Accuracy accuracy) noexcept {
 struct Looking {
     std::vector<TargetLaw> laws;
     int cell_log2 = max_level;  ///< Of the finest cells that look at targets.
-    bool one_grid = true;       ///< All of them are of that size, and keep to their own cells.
+    bool one_grid = true;       ///< All of them are of that size, stand still, and keep to their own cells.
     bool in_blocks = false;     ///< A composite, which looks at blocks of texels.
     std::int64_t margin = 0;    ///< Texels that what a cell shows may hang over its middle, along an axis.
     std::int64_t reach = 0;     ///< Of the law that reaches furthest.
@@ -45,6 +45,7 @@ Looking looking_of(const Texture& pattern, const Plan& plan) {
         const std::int64_t side = std::int64_t{1} << cells->grid.cell_log2;
         looking.one_grid &= looking.cell_log2 == max_level || looking.cell_log2 == cells->grid.cell_log2;
         looking.one_grid &= !cells->transform || !cells->transform->overflow;
+        looking.one_grid &= cells->program->scrolled(0).validity.is_static();
         looking.cell_log2 = std::min(looking.cell_log2, cells->grid.cell_log2);
         // Half a cell to its border, and a cell more that an instance may hang over
         const bool overflows = cells->transform && cells->transform->overflow;
@@ -70,8 +71,10 @@ class TargetedTexture final : public PatternTexture {
     TargetedTexture(std::shared_ptr<const Texture> pattern, std::shared_ptr<const Looking> looking,
                     std::span<const MovingTarget> targets)
         : pattern_{std::move(pattern)}, looking_{std::move(looking)} {
+        const auto shared = std::make_shared<const std::vector<MovingTarget>>(targets.begin(), targets.end());
         for (const TargetLaw& law : looking_->laws)
-            distances_.laws.emplace_back(law.frames->line, law.near, law.far, targets);
+            distances_.laws.emplace_back(law.frames->line, law.near, law.far, shared);
+        distances_.tell_validity = !looking_->one_grid;
         for (const MovingTarget& target : targets)
             if (target.moves()) round_ = target.round_steps();
     }
@@ -103,7 +106,7 @@ class TargetedTexture final : public PatternTexture {
     std::size_t memory_bytes() const noexcept override {
         std::size_t legs = 0;
         for (const MovingTarget& target : distances_.laws.front().targets()) legs += target.legs().size();
-        return sizeof *this + pattern_->memory_bytes() + distances_.laws.size() * legs * 32;
+        return sizeof *this + pattern_->memory_bytes() + legs * 32;
     }
 
     const std::shared_ptr<const Texture>& pattern() const noexcept { return pattern_; }
@@ -127,37 +130,42 @@ class TargetedTexture final : public PatternTexture {
     /// but for a while only.
     template <class Image>
     Result<Evaluation> evaluate_cells(const TexelRegion& region, const Budget& budget, Image& out) const {
-        const auto rest = rest_of(region);
-        if (!rest) return pattern_->evaluate(seeing(region), budget, out);
-        auto done = pattern_->evaluate(region, budget, out);
-        if (done) done->validity.meet(*rest);
+        if (!looking_->one_grid) return pattern_->evaluate(seeing(region), budget, out);
+        const MotionLattice middles = middles_of(region);
+        if (const auto rest = rest_of(middles, region.step)) {
+            auto done = pattern_->evaluate(region, budget, out);
+            if (done) done->validity.meet(*rest);
+            return done;
+        }
+        auto done = pattern_->evaluate(seeing(region), budget, out);
+        if (done) narrow(middles, region.step, done->validity);
         return done;
     }
-    std::optional<Validity> rest_of(const TexelRegion& region) const noexcept {
-        if (!looking_->one_grid) return std::nullopt;
+    /// Of all cells that decide what the region shows.
+    MotionLattice middles_of(const TexelRegion& region) const noexcept {
         const int log2 = looking_->cell_log2;
-        TexelRegion whole = region;
+        TexelBox box = texels_of(region);
         if (looking_->in_blocks) {
-            constexpr std::int64_t side = std::int64_t{1} << block_log2;
-            whole.x = region.x & -side;
-            whole.y = region.y & -side;
-            whole.width = static_cast<std::int32_t>(((region.x + region.width + side - 1) & -side) - whole.x);
-            whole.height =
-                static_cast<std::int32_t>(((region.y + region.height + side - 1) & -side) - whole.y);
+            const std::int64_t side = std::int64_t{1} << (block_log2 + std::min<int>(region.level, log2));
+            box = {box.x0 & -side, box.y0 & -side, (box.x1 + side - 1) & -side, (box.y1 + side - 1) & -side};
         }
-        const TexelBox box = texels_of(whole);
         const std::int64_t side = std::int64_t{1} << log2, left = box.x0 >> log2, top = box.y0 >> log2;
-        const MotionLattice middles{{left * side + side / 2, top * side + side / 2},
-                                    side,
-                                    ((box.x1 - 1) >> log2) - left + 1,
-                                    ((box.y1 - 1) >> log2) - top + 1};
+        return {{left * side + side / 2, top * side + side / 2},
+                side,
+                ((box.x1 - 1) >> log2) - left + 1,
+                ((box.y1 - 1) >> log2) - top + 1};
+    }
+    std::optional<Validity> rest_of(const MotionLattice& middles, Step step) const noexcept {
         Validity all;
         for (const TargetDistance& law : distances_.laws) {
-            const auto rest = law.rest_of(middles, region.step);
+            const auto rest = law.rest_of(middles, step);
             if (!rest) return std::nullopt;
             all.meet(*rest);
         }
         return all;
+    }
+    void narrow(const MotionLattice& middles, Step step, Validity& validity) const {
+        for (const TargetDistance& law : distances_.laws) law.narrow(middles, step, validity);
     }
 
     /// Row and column of blocks of cells.
@@ -204,7 +212,7 @@ class TargetedTexture final : public PatternTexture {
                 if (!done.insert(block).second) continue;
                 if (auto added = add_block(region, block, budget, sums, seen); !added) return added.error();
             }
-            if (!moves()) break;
+            if (!moves() || looking_->one_grid) break;
             const bool later = seen.until > add_steps(region.step, ahead),
                        earlier = seen.from <= add_steps(region.step, -ahead);
             if ((!later && !earlier) || ahead >= round_) break;
@@ -225,6 +233,7 @@ class TargetedTexture final : public PatternTexture {
         }
         Evaluation all = sums.evaluation;
         all.validity.meet(seen);
+        if (looking_->one_grid) narrow(middles_of(region), region.step, all.validity);
         if (!sums.any) return all;
         all.method = "targets";
         const double share = std::ldexp(1.0, -2 * (region.level - looking_->cell_log2));

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shared/motion/walk_times.h"
+
 namespace tessera {
 
 namespace {
@@ -62,7 +64,11 @@ MovingTarget::Box MovingTarget::box(Step from, Step until) const noexcept {
 }
 
 MovingTarget::Walk MovingTarget::walk_at(Step step) const noexcept {
-    const auto since = static_cast<std::int64_t>((Wide{step} - first_) % round_steps());
+    std::int64_t since = 0;
+    if (__builtin_sub_overflow(step, first_, &since))
+        since = static_cast<std::int64_t>((Wide{step} - first_) % round_steps());
+    else
+        since %= round_steps();
     const std::int64_t at = since < 0 ? since + round_steps() : since;
     const auto leg =
         static_cast<std::size_t>(std::upper_bound(begins_.begin(), begins_.end() - 1, at) - begins_.begin()) -
@@ -87,13 +93,34 @@ MovingTarget::Place MovingTarget::at(Step step) const noexcept {
 
 TargetDistance::TargetDistance(const TimeLine& line, std::int64_t near, std::int64_t far,
                                std::span<const MovingTarget> targets)
-    : targets_(targets.begin(), targets.end()) {
-    for (const MovingTarget& target : targets_) round_ = std::max(round_, target.round_steps());
+    : TargetDistance{line, near, far,
+                     std::make_shared<const std::vector<MovingTarget>>(targets.begin(), targets.end())} {}
+
+TargetDistance::TargetDistance(const TimeLine& line, std::int64_t near, std::int64_t far,
+                               std::shared_ptr<const std::vector<MovingTarget>> targets)
+    : targets_{std::move(targets)} {
+    for (const MovingTarget& target : *targets_) round_ = std::max(round_, target.round_steps());
     // The way from `far` to `near` in equal parts, one for each position
     for (std::int32_t frame = 1; frame < line.frames(); ++frame)
         reach_.push_back(far -
                          static_cast<std::int64_t>(Wide{far - near} * line.begin_of(frame) / line.run()));
 }
+
+namespace {
+
+/// The ring of a distance whose parts along the axes are x / parts and y / parts: below it no ring is
+/// reached.
+template <class Integer>
+std::int32_t ring_of(Integer x, Integer y, Integer parts, const std::vector<std::int64_t>& reaches) noexcept {
+    const Integer square = x * x + y * y;
+    const auto beyond = std::partition_point(reaches.begin(), reaches.end(), [&](std::int64_t reach) {
+        const Integer scaled = static_cast<Integer>(reach) * parts;
+        return square <= scaled * scaled;
+    });
+    return static_cast<std::int32_t>(beyond - reaches.begin());
+}
+
+}  // namespace
 
 std::int32_t TargetDistance::frame_on(const MovingTarget::Walk& walk, MotionPoint cell,
                                       std::int64_t moved) const noexcept {
@@ -103,52 +130,11 @@ std::int32_t TargetDistance::frame_on(const MovingTarget::Walk& walk, MotionPoin
     const Wide y = Wide{walk.from.y - cell.y} * walk.steps + Wide{walk.by.y} * moved;
     const Wide most = Wide{reach_.front()} * walk.steps;
     if (x > most || x < -most || y > most || y < -most) return 0;
-    const Wide square = x * x + y * y;
-    const auto beyond = std::partition_point(reach_.begin(), reach_.end(), [&](std::int64_t reach) {
-        const Wide wide = Wide{reach} * walk.steps;
-        return square <= wide * wide;
-    });
-    return static_cast<std::int32_t>(beyond - reach_.begin());
+    constexpr Wide small = Wide{1} << 31;
+    if (most < small)
+        return ring_of(static_cast<std::int64_t>(x), static_cast<std::int64_t>(y), walk.steps, reach_);
+    return ring_of<Wide>(x, y, walk.steps, reach_);
 }
-
-namespace {
-
-/// The step, 0 to walk.steps, at which a walk is closest to a cell: of those before it the distance falls, of
-/// those after it rises.
-std::int64_t closest_on(const MovingTarget::Walk& walk, MotionPoint cell) noexcept {
-    const Wide length = Wide{walk.by.x} * walk.by.x + Wide{walk.by.y} * walk.by.y;
-    if (length == 0) return 0;
-    const Wide along = Wide{cell.x - walk.from.x} * walk.by.x + Wide{cell.y - walk.from.y} * walk.by.y;
-    if (along <= 0) return 0;
-    if (along >= length) return walk.steps;
-    // The nearest step to along / length · steps
-    return static_cast<std::int64_t>((2 * along * walk.steps + length) / (2 * length));
-}
-
-/// The least of (from, to] for which `is` holds, which then holds for all after it; to + 1 if there is none.
-template <class Is>
-std::int64_t first_of(std::int64_t from, std::int64_t to, const Is& is) {
-    if (from >= to || !is(to)) return to + 1;
-    while (to - from > 1) {
-        const std::int64_t middle = from + (to - from) / 2;
-        (is(middle) ? to : from) = middle;
-    }
-    return to;
-}
-
-/// The largest of [from, to) for which `is` holds, which then holds for all before it; from − 1 if there is
-/// none.
-template <class Is>
-std::int64_t last_of(std::int64_t from, std::int64_t to, const Is& is) {
-    if (from >= to || !is(from)) return from - 1;
-    while (to - from > 1) {
-        const std::int64_t middle = from + (to - from) / 2;
-        (is(middle) ? from : to) = middle;
-    }
-    return from;
-}
-
-}  // namespace
 
 Step TargetDistance::next_change(const MovingTarget& target, MotionPoint cell, Step step,
                                  Step limit) const noexcept {
@@ -156,14 +142,24 @@ Step TargetDistance::next_change(const MovingTarget& target, MotionPoint cell, S
     MovingTarget::Walk walk = target.walk_at(step);
     std::int64_t moved = step - walk.begin;
     const std::int32_t frame = frame_on(walk, cell, moved);
+    const auto ring = static_cast<std::size_t>(frame);
     const auto differs = [&](std::int64_t at) { return frame_on(walk, cell, at) != frame; };
     const Step round_over = std::min(add_steps(step, target.round_steps()), limit);
     for (;;) {
+        // It comes nearer, into the next ring; then it goes, out of this one
         const std::int64_t closest = closest_on(walk, cell);
-        std::int64_t change = first_of(moved, closest, differs);
-        if (change <= closest) return add_steps(walk.begin, change);
-        change = first_of(std::max(moved, closest), walk.steps, differs);
-        if (change <= walk.steps) return add_steps(walk.begin, change);
+        if (ring < reach_.size() && moved < closest) {
+            const double within = steps_within(walk, cell, reach_[ring]);
+            const std::int64_t change =
+                first_of(moved, closest, closest - static_cast<std::int64_t>(within), differs);
+            if (change <= closest) return add_steps(walk.begin, change);
+        }
+        if (ring > 0) {
+            const double within = steps_within(walk, cell, reach_[ring - 1]);
+            const std::int64_t change = first_of(std::max(moved, closest), walk.steps,
+                                                 closest + static_cast<std::int64_t>(within) + 1, differs);
+            if (change <= walk.steps) return add_steps(walk.begin, change);
+        }
         const Step next = add_steps(walk.begin, walk.steps);
         if (next >= round_over) return never;
         walk = target.walk_at(next);
@@ -177,14 +173,24 @@ Step TargetDistance::last_change(const MovingTarget& target, MotionPoint cell, S
     MovingTarget::Walk walk = target.walk_at(step);
     std::int64_t moved = step - walk.begin;
     const std::int32_t frame = frame_on(walk, cell, moved);
+    const auto ring = static_cast<std::size_t>(frame);
     const auto differs = [&](std::int64_t at) { return frame_on(walk, cell, at) != frame; };
     const Step round_over = std::max(add_steps(step, -target.round_steps()), limit);
     for (;;) {
+        // The same backwards
         const std::int64_t closest = closest_on(walk, cell);
-        std::int64_t change = last_of(closest, moved, differs);
-        if (change >= closest) return add_steps(walk.begin, change + 1);
-        change = last_of(0, std::min(moved, closest), differs);
-        if (change >= 0) return add_steps(walk.begin, change + 1);
+        if (ring < reach_.size() && moved > closest) {
+            const double within = steps_within(walk, cell, reach_[ring]);
+            const std::int64_t change =
+                last_of(closest, moved, closest + static_cast<std::int64_t>(within), differs);
+            if (change >= closest) return add_steps(walk.begin, change + 1);
+        }
+        if (ring > 0) {
+            const double within = steps_within(walk, cell, reach_[ring - 1]);
+            const std::int64_t change = last_of(0, std::min(moved, closest),
+                                                closest - static_cast<std::int64_t>(within) - 1, differs);
+            if (change >= 0) return add_steps(walk.begin, change + 1);
+        }
         if (walk.begin <= round_over) return always;
         walk = target.walk_at(walk.begin - 1);
         moved = walk.steps;
@@ -193,7 +199,7 @@ Step TargetDistance::last_change(const MovingTarget& target, MotionPoint cell, S
 
 std::int32_t TargetDistance::frame_at(MotionPoint cell, Step step) const noexcept {
     std::int32_t frame = 0;
-    for (const MovingTarget& target : targets_) {
+    for (const MovingTarget& target : *targets_) {
         if (!ever_near(target, cell)) continue;
         const MovingTarget::Walk walk = target.walk_at(step);
         frame = std::max(frame, frame_on(walk, cell, step - walk.begin));
@@ -204,14 +210,14 @@ std::int32_t TargetDistance::frame_at(MotionPoint cell, Step step) const noexcep
 TargetDistance::Answer TargetDistance::shown_at(MotionPoint cell, Step step,
                                                 const Validity& within) const noexcept {
     const std::int32_t frame = frame_at(cell, step);
-    if (reach_.empty() || targets_.empty()) return {frame, {}};
+    if (reach_.empty() || targets_->empty()) return {frame, {}};
     // Targets change by turns, and what is nearest may do so without the frame
     const Step round_over = add_steps(step, round_), round_before = add_steps(step, -round_);
     const Step latest = std::min(round_over, within.until), earliest = std::max(round_before, within.from);
     Validity validity{step, step};
     do {
         Step next = never;
-        for (const MovingTarget& target : targets_)
+        for (const MovingTarget& target : *targets_)
             next = std::min(next, next_change(target, cell, validity.until, latest));
         validity.until = next;
     } while (validity.until < latest && frame_at(cell, validity.until) == frame);
@@ -221,7 +227,7 @@ TargetDistance::Answer TargetDistance::shown_at(MotionPoint cell, Step step,
     }
     for (Step at = step;; at = validity.from - 1) {
         Step last = always;
-        for (const MovingTarget& target : targets_)
+        for (const MovingTarget& target : *targets_)
             last = std::max(last, last_change(target, cell, at, earliest));
         validity.from = last;
         if (validity.from <= earliest || frame_at(cell, validity.from - 1) != frame) break;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -87,6 +88,9 @@ class TargetDistance {
     /// 0 <= near < far <= 2^28. Copies the targets, at most 256; all come round in the same number of steps.
     TargetDistance(const TimeLine& line, std::int64_t near, std::int64_t far,
                    std::span<const MovingTarget> targets);
+    /// The same, of targets that several laws share.
+    TargetDistance(const TimeLine& line, std::int64_t near, std::int64_t far,
+                   std::shared_ptr<const std::vector<MovingTarget>> targets);
 
     std::int32_t frame_at(MotionPoint cell, Step step) const noexcept;
     /// The frame, and where it changed last and changes next: found on each leg by bisection, since the
@@ -107,12 +111,17 @@ class TargetDistance {
     /// another, and where that takes long to tell. Takes a few bisections for each leg that comes near.
     std::optional<Validity> rest_of(const MotionLattice& places, Step step) const noexcept;
 
+    /// Narrows `validity`, which holds at `step`, to the steps in which none of the places shows another
+    /// frame than at `step`: as shown_along() does row by row, in a few microseconds where rings pass many
+    /// rows.
+    void narrow(const MotionLattice& places, Step step, Validity& validity) const;
+
     /// Whether any target may ever be near any place of a box, whose corners are in it: no is certain.
     bool ever_near(MotionPoint least, MotionPoint most) const noexcept;
     std::int64_t reach() const noexcept {
         return reach_.empty() ? -1 : reach_.front();
     }  ///< Beyond: frame 0.
-    std::span<const MovingTarget> targets() const noexcept { return targets_; }
+    std::span<const MovingTarget> targets() const noexcept { return *targets_; }
 
   private:
     /// The frame along a walk, `moved` steps (0 to walk.steps) after its beginning.
@@ -124,6 +133,7 @@ class TargetDistance {
     Step last_change(const MovingTarget& target, MotionPoint cell, Step step, Step limit) const noexcept;
     bool ever_near(const MovingTarget& target, MotionPoint cell) const noexcept;
     class Approach;
+    class Search;
     bool ever_near(const MovingTarget& target, MotionPoint least, MotionPoint most) const noexcept;
     void frames_of(const MovingTarget& target, const MotionRow& row, Step step,
                    std::span<std::int32_t> frames) const noexcept;
@@ -133,13 +143,14 @@ class TargetDistance {
                 std::span<const std::int32_t> frames, Validity& validity) const noexcept;
 
     std::vector<std::int64_t> reach_;  ///< Frame i + 1 is shown at distances up to reach_[i].
-    std::vector<MovingTarget> targets_;
+    std::shared_ptr<const std::vector<MovingTarget>> targets_;
     std::int64_t round_ = 1;  ///< Of the targets that move.
 };
 
 /// What the animations of a scene see of its targets: one law each.
 struct TargetDistances {
     std::vector<TargetDistance> laws;
+    bool tell_validity = true;  ///< False where the whole is asked how long it stays as it is, not each row.
 };
 
 }  // namespace tessera

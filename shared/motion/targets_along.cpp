@@ -54,7 +54,7 @@ bool TargetDistance::ever_near(const MovingTarget& target, MotionPoint least,
 }
 
 bool TargetDistance::ever_near(MotionPoint least, MotionPoint most) const noexcept {
-    return std::any_of(targets_.begin(), targets_.end(),
+    return std::any_of(targets_->begin(), targets_->end(),
                        [&](const MovingTarget& target) { return ever_near(target, least, most); });
 }
 
@@ -117,7 +117,7 @@ void TargetDistance::narrow(const MovingTarget& target, const MotionRow& row, St
     const double y = static_cast<double>(place.y - row.first.y) + static_cast<double>(place.y_rest) / parts;
     const auto spacing = static_cast<double>(row.spacing);
     const MotionPoint last{x_of(row, row.count - 1), row.first.y};
-    const bool alone = std::none_of(targets_.begin(), targets_.end(), [&](const MovingTarget& other) {
+    const bool alone = std::none_of(targets_->begin(), targets_->end(), [&](const MovingTarget& other) {
         return &other != &target && ever_near(other, row.first, last);
     });
     for (std::int64_t ahead = 1;; ahead *= 8) {
@@ -149,7 +149,7 @@ void TargetDistance::shown_along(const MotionRow& row, Step step, std::int32_t* 
     std::fill_n(frames, row.count, 0);
     if (reach_.empty() || row.count == 0) return;
     std::vector<std::int32_t> own;
-    for (const MovingTarget& target : targets_) {
+    for (const MovingTarget& target : *targets_) {
         if (!ever_near(target, row.first, {x_of(row, row.count - 1), row.first.y})) continue;
         own.resize(static_cast<std::size_t>(row.count));
         frames_of(target, row, step, own);

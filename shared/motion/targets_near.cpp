@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 
 #include "shared/motion/targets.h"
 
@@ -25,18 +26,18 @@ class TargetDistance::Approach {
           places_{places},
           walk_{walk},
           last_{places.first.x + (places.columns - 1) * places.spacing,
-                places.first.y + (places.rows - 1) * places.spacing} {}
+                places.first.y + (places.rows - 1) * places.spacing} {
+        const auto far = [](std::int64_t a, std::int64_t b, std::int64_t from, std::int64_t by) {
+            return std::max(std::abs(a - from), std::abs(b - from)) + std::abs(by);
+        };
+        const Wide most = std::max(far(places.first.x, last_.x, walk.from.x, walk.by.x),
+                                   far(places.first.y, last_.y, walk.from.y, walk.by.y));
+        is_small_ = most * walk.steps < Wide{1} << 62 && Wide{law.reach()} * walk.steps < Wide{1} << 31;
+    }
 
     /// Whether the rectangle is in reach, `moved` steps on.
     bool box_is_near(std::int64_t moved) const noexcept {
-        const auto off = [&](std::int64_t from, std::int64_t by, std::int64_t least, std::int64_t most) {
-            const Wide at = Wide{from} * walk_.steps + Wide{by} * moved;
-            return std::max({Wide{least} * walk_.steps - at, at - Wide{most} * walk_.steps, Wide{0}});
-        };
-        const Wide reach = Wide{law_.reach()} * walk_.steps;
-        const Wide x = off(walk_.from.x, walk_.by.x, places_.first.x, last_.x);
-        const Wide y = off(walk_.from.y, walk_.by.y, places_.first.y, last_.y);
-        return x <= reach && y <= reach && x * x + y * y <= reach * reach;
+        return is_small_ ? box_near<std::int64_t>(moved) : box_near<Wide>(moved);
     }
     /// Whether one of the places is.
     bool is_near(std::int64_t moved) const noexcept {
@@ -72,10 +73,10 @@ class TargetDistance::Approach {
             return dx * dx + dy * dy;
         };
         const auto least = static_cast<double>(from), most = static_cast<double>(to);
-        double best = least;
+        double best = least, best_square = square(least);
         const auto take = [&](double t) {
             t = std::clamp(t, least, most);
-            if (square(t) < square(best)) best = t;
+            if (const double other = square(t); other < best_square) best = t, best_square = other;
         };
         take(most);
         if (bx != 0) take((x0 - x) / bx), take((x1 - x) / bx);
@@ -124,10 +125,25 @@ class TargetDistance::Approach {
     }
 
   private:
+    /// In parts of walk_.steps of a texel.
+    template <class Integer>
+    bool box_near(std::int64_t moved) const noexcept {
+        const Integer steps = walk_.steps, reach = law_.reach() * steps;
+        const auto off = [&](std::int64_t from, std::int64_t by, std::int64_t least, std::int64_t most) {
+            const Integer along = static_cast<Integer>(by) * moved;
+            return std::max({static_cast<Integer>(least - from) * steps - along,
+                             along - static_cast<Integer>(most - from) * steps, Integer{0}});
+        };
+        const Integer x = off(walk_.from.x, walk_.by.x, places_.first.x, last_.x);
+        const Integer y = off(walk_.from.y, walk_.by.y, places_.first.y, last_.y);
+        return x <= reach && y <= reach && x * x + y * y <= reach * reach;
+    }
+
     const TargetDistance& law_;
     const MotionLattice& places_;
     MovingTarget::Walk walk_;
     MotionPoint last_;
+    bool is_small_ = false;  ///< 64 bits hold it.
 };
 
 std::optional<Validity> TargetDistance::rest_of(const MotionLattice& places, Step step) const noexcept {
@@ -136,7 +152,7 @@ std::optional<Validity> TargetDistance::rest_of(const MotionLattice& places, Ste
     const MotionPoint last{places.first.x + (places.columns - 1) * places.spacing,
                            places.first.y + (places.rows - 1) * places.spacing};
     using Found = Approach::Found;
-    for (const MovingTarget& target : targets_) {
+    for (const MovingTarget& target : *targets_) {
         if (!ever_near(target, places.first, last)) continue;
         const MovingTarget::Walk now = target.walk_at(step);
         const std::int64_t moved = step - now.begin;

@@ -117,6 +117,46 @@ TEST(TargetDistance, KnowsHowLongALatticeRests) {
     EXPECT_GT(ends, 500);
 }
 
+TEST(TargetDistance, KnowsHowLongALatticeStaysAsItIs) {
+    const TimeLine frames{std::array<std::uint32_t, 5>{3, 1, 2, 1, 4}};
+    std::vector<MovingTarget> targets = some_targets();
+    // One more that goes over the same places, so that rings hide each other; and a fast one
+    targets.emplace_back(
+        std::array<MovingTarget::Leg, 3>{{{{-100, 350}, 120}, {{650, 300}, 1}, {{-500, -200}, 179}}}, 40);
+    const std::array<MotionLattice, 7> lattices{{{{-310, -300}, 32, 33, 29},
+                                                 {{160, 93}, 16, 4, 5},
+                                                 {{200, 130}, 8, 24, 1},
+                                                 {{600, 210}, 40, 1, 9},
+                                                 {{-170, 480}, 300, 3, 3},
+                                                 {{380, 390}, 1, 9, 9},
+                                                 {{-2000, 0}, 64, 40, 12}}};
+    int ends = 0, long_ones = 0;
+    for (const std::size_t count : {targets.size(), std::size_t{1}, std::size_t{2}})
+        for (const std::int64_t near : {3, 30, 240}) {
+            const TargetDistance law{frames, near, 260, std::span{targets}.first(count)};
+            for (const MotionLattice& places : lattices)
+                for (Step step = -330; step < 400; step += 23) {
+                    Validity narrowed, each;
+                    law.narrow(places, step, narrowed);
+                    for (std::int64_t row = 0; row < places.rows; ++row)
+                        for (std::int64_t column = 0; column < places.columns; ++column)
+                            each.meet(law.shown_at({places.first.x + column * places.spacing,
+                                                    places.first.y + row * places.spacing},
+                                                   step)
+                                          .validity);
+                    ASSERT_EQ(narrowed, each) << step << " at " << places.first.x << ", near " << near;
+                    Validity within{step - 4, step + 3};
+                    law.narrow(places, step, within);
+                    each.meet({step - 4, step + 3});
+                    ASSERT_EQ(within, each) << step << " at " << places.first.x;
+                    ends += !narrowed.is_static();
+                    long_ones += !narrowed.is_static() && narrowed.until - narrowed.from > 3;
+                }
+        }
+    EXPECT_GT(ends, 1000);
+    EXPECT_GT(long_ones, 300);
+}
+
 TEST(TargetDistance, LooksNoFurtherThanItIsAsked) {
     const auto targets = some_targets();
     const TargetDistance law{line, 0, 200, targets};
