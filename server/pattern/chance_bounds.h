@@ -68,6 +68,9 @@ struct DrawSpread {
 struct CornerSpread {
     Colour variance{}, width{}, farthest{};  ///< Of a cell's own draws, where its corners are given.
     std::array<Colour, 4> corners{};  ///< What a corner's draw makes of the mean of each cell that has it.
+    /// Of the mean that a cell's corners leave it, over all that may be drawn for them: its variance, where
+    /// that is largest and on the average of the cells, and what it spans.
+    Colour means_variance{}, average_variance{}, means_width{};
 
     void add_largest(const CornerSpread& other) noexcept {
         const auto add = [](Colour& to, const Colour& from) {
@@ -77,6 +80,9 @@ struct CornerSpread {
         add(width, other.width);
         add(farthest, other.farthest);
         for (std::size_t k = 0; k < 4; ++k) add(corners[k], other.corners[k]);
+        add(means_variance, other.means_variance);
+        add(average_variance, other.average_variance);
+        add(means_width, other.means_width);
     }
     /// As many corners as cells are drawn, and each moves the four cells around it: what lies within a span
     /// has a variance of at most a quarter of its square (Popoviciu). At the edge of n × n cells corners move
@@ -94,6 +100,20 @@ struct CornerSpread {
             spread.add_largest({classes * variance[c] + corner * corner / 4,
                                 classes * width[c] * width[c] + corner * corner,
                                 std::max(classes * farthest[c], corner)});
+        }
+        return spread;
+    }
+    /// The same by classes for the corners, too: cells whose columns and rows are even or odd alike share no
+    /// corner. By Hölder's inequality the sum of four classes' sums is one of independent cells, of four
+    /// times the variance each (and a fourth of what Popoviciu allows, where a corner counts for a quarter of
+    /// each of its cells). `average`: of all of a patch's cells, instead of the worst.
+    DrawSpread of_classes(double classes, bool average) const noexcept {
+        DrawSpread spread;
+        for (std::size_t c = 0; c < 4; ++c) {
+            const double means = 4 * (average ? average_variance : means_variance)[c];
+            spread.add_largest({classes * variance[c] + means,
+                                classes * width[c] * width[c] + 4 * means_width[c] * means_width[c],
+                                std::max(classes * farthest[c], 4 * means_width[c])});
         }
         return spread;
     }

@@ -24,7 +24,9 @@ CornerPatches::CornerPatches(const CellProgram& program, const VaryingMap& map, 
       base_{base},
       columns_{basis_of(map.sampling, true, false)},
       rows_{basis_of(map.sampling, true, true)},
-      cells_{std::int64_t{1} << map.map->cells_log2} {}
+      cells_{std::int64_t{1} << map.map->cells_log2},
+      column_probes_{probes_of(columns_, cells_)},
+      row_probes_{probes_of(rows_, cells_)} {}
 
 const CornerPatches::Combination& CornerPatches::combination(const std::array<std::uint16_t, 4>& corners) {
     const auto [at, is_new] = combinations_.try_emplace(key_of(corners));
@@ -74,6 +76,45 @@ CornerSpread CornerPatches::spread_of(const std::vector<const Combination*>& sho
     return spread;
 }
 
+/// The variance of what the corners leave as a cell's mean, from the expectations of the mean and its square.
+void CornerPatches::measure_means(const PatchCoefficients& means, const PatchCoefficients& squares,
+                                  const std::vector<const Combination*>& shown, CornerSpread& spread) const {
+    ColourRange range;
+    for (const Combination* combination : shown) range.add(combination->mean);
+    for (std::size_t c = 0; c < 4; ++c) spread.means_width[c] = range.most[c] - range.least[c];
+    const std::size_t functions = functions_of(columns_);
+    Colour sum{};
+    for (const auto& down : row_probes_.values) {
+        std::array<Colour, most_functions> mean_of{}, square_of{};
+        for (std::size_t row = 0; row < functions_of(rows_); ++row)
+            for (std::size_t column = 0; column < functions; ++column)
+                for (std::size_t c = 0; c < 4; ++c) {
+                    mean_of[column][c] += down[row] * means[row * functions + column][c];
+                    square_of[column][c] += down[row] * squares[row * functions + column][c];
+                }
+        for (const auto& across : column_probes_.values)
+            for (std::size_t c = 0; c < 4; ++c) {
+                double mean = 0, square = 0;
+                for (std::size_t column = 0; column < functions; ++column) {
+                    mean += across[column] * mean_of[column][c];
+                    square += across[column] * square_of[column][c];
+                }
+                const double variance = std::max(square - mean * mean, 0.0);
+                spread.means_variance[c] = std::max(spread.means_variance[c], variance);
+                sum[c] += variance;
+            }
+    }
+    const bool complete = column_probes_.complete && row_probes_.complete;
+    const auto places =
+        static_cast<double>(column_probes_.values.size()) * static_cast<double>(row_probes_.values.size());
+    for (std::size_t c = 0; c < 4; ++c) {
+        const double rounding = 1e-12 * spread.means_width[c] * spread.means_width[c];
+        spread.means_variance[c] *= column_probes_.missed * row_probes_.missed;
+        spread.means_variance[c] += rounding;
+        spread.average_variance[c] = complete ? sum[c] / places + rounding : spread.means_variance[c];
+    }
+}
+
 CornerPatches::Patch CornerPatches::made(const std::array<std::uint16_t, 4>& entries) {
     Patch patch;
     // The distinct states among the four entries
@@ -95,6 +136,7 @@ CornerPatches::Patch CornerPatches::made(const std::array<std::uint16_t, 4>& ent
     // Where corners are not drawn, they are what the map says
     const bool drawn = columns_ == PatchBasis::quartic || rows_ == PatchBasis::quartic;
     const std::size_t functions = functions_of(columns_);
+    PatchCoefficients squares{};
     for (std::size_t row = 0; row < functions_of(rows_); ++row)
         for (std::size_t column = 0; column < functions; ++column) {
             // How often each corner of the cell at this sample is of which state
@@ -112,18 +154,22 @@ CornerPatches::Patch CornerPatches::made(const std::array<std::uint16_t, 4>& ent
                 }
             }
             // The product over the combinations: corners are drawn independently
-            Colour sum{};
+            Colour sum{}, &square = squares[row * functions + column];
             for (std::size_t i = 0; i < shown.size(); ++i) {
                 const auto kind = kinds_of(i);
                 const double weight =
                     share[0][kind[0]] * share[1][kind[1]] * share[2][kind[2]] * share[3][kind[3]];
                 if (weight == 0) continue;
-                for (std::size_t c = 0; c < 4; ++c) sum[c] += weight * shown[i]->mean[c];
+                for (std::size_t c = 0; c < 4; ++c) {
+                    sum[c] += weight * shown[i]->mean[c];
+                    square[c] += weight * shown[i]->mean[c] * shown[i]->mean[c];
+                }
                 patch.range.add(shown[i]->range);
             }
             patch.coefficients[row * functions + column] = sum;
         }
     patch.spread = spread_of(shown, kinds, drawn);
+    if (drawn) measure_means(patch.coefficients, squares, shown, patch.spread);
 
     const auto over_columns = means_over(columns_, 0, cells_, cells_);
     const auto over_rows = means_over(rows_, 0, cells_, cells_);

@@ -50,6 +50,8 @@ class CornerPatches {
     static CornerSpread spread_of(const std::vector<const Combination*>& shown, std::size_t kinds,
                                   bool drawn);
     Patch made(const std::array<std::uint16_t, 4>& entries);
+    void measure_means(const PatchCoefficients& means, const PatchCoefficients& squares,
+                       const std::vector<const Combination*>& shown, CornerSpread& spread) const;
 
     const CellProgram& program_;
     const LookMeans& means_;
@@ -58,6 +60,7 @@ class CornerPatches {
     Colour base_;
     PatchBasis columns_, rows_;
     std::int64_t cells_;
+    PatchProbes column_probes_, row_probes_;
     std::vector<std::array<std::uint16_t, 4>> entries_;  ///< By number.
     std::vector<Patch> patches_;
     std::unordered_map<std::uint64_t, std::uint32_t> numbers_;

@@ -12,6 +12,7 @@
 #include "server/pattern/area_sums.h"
 #include "server/pattern/corner_patches.h"
 #include "server/pattern/look_mixture.h"
+#include "server/pattern/map_bounds.h"
 #include "server/pattern/map_states.h"
 #include "server/pattern/patch_basis.h"
 
@@ -52,15 +53,12 @@ class MapExpectation final : public AreaExpectation {
     MapExpectation(const CellProgram& program, const VaryingMap& varying, MapStates states,
                    const LookMeans& means, std::int32_t slice, double uneven)
         : map_{*varying.map},
-          uneven_{uneven},
+          bounds_{varying, program.independent_cells(), uneven},
           states_{std::move(states)},
           columns_{basis_of(varying.sampling, varying.corners, false)},
           rows_{basis_of(varying.sampling, varying.corners, true)},
           corners_{varying.corners},
-          drawn_{varying.sampling != VaryingMap::Sampling::nearest},
-          nested_{varying.nested},
-          sharing_{varying.shared_draws ? 4.0 : 1.0},
-          independent_{program.independent_cells()} {
+          drawn_{varying.sampling != VaryingMap::Sampling::nearest} {
         // The first state's colours are what others are told from
         const std::array<std::int32_t, 4> first{states_.values().front(), states_.values().front(),
                                                 states_.values().front(), states_.values().front()};
@@ -71,7 +69,7 @@ class MapExpectation final : public AreaExpectation {
         } else {
             for (const std::int32_t& state : states_.values()) {
                 looks_.push_back(mixture_of(program.shares({&state, 1}), means, slice, base_));
-                draws_looks_ = draws_looks_ || looks_.back().range.width() > 0;
+                if (looks_.back().range.width() > 0) bounds_.draws_looks();
                 if (!drawn_) spread_.add_entries(std::array{&looks_.back()});
             }
             if (drawn_) {
@@ -89,9 +87,9 @@ class MapExpectation final : public AreaExpectation {
     }
 
     ChanceBound bound(int up) const noexcept override {
-        if (up < whole_up_) return bound_of(up, spread_);
+        if (up < whole_up_) return bounds_.of(up, spread_);
         tables();
-        return bound_of(up, whole_, spread_.range);
+        return bounds_.of(up, whole_, spread_.range);
     }
 
     Result<Evaluation> evaluate(const TexelRegion& region, int up, const Budget& budget, LinearImage& out,
@@ -203,32 +201,6 @@ class MapExpectation final : public AreaExpectation {
         });
     }
 
-    /// What is drawn for the cells of some patches, and what they may show at all.
-    struct Spread {
-        CornerSpread corners;
-        DrawSpread cells;  ///< Without corners.
-        ColourRange range;
-
-        void add(const CornerPatches::Patch& patch) noexcept {
-            corners.add_largest(patch.spread);
-            range.add(patch.range);
-        }
-        /// Entries that a cell draws one of, and then its look: their variances add up.
-        template <class Entries>
-        void add_entries(const Entries& entries) noexcept {
-            ColourRange means, shown;
-            double variance = 0;
-            for (const LookMixture* entry : entries) {
-                means.add(entry->mean);
-                shown.add(entry->range);
-                for (const double channel : entry->variance) variance = std::max(variance, channel);
-            }
-            const double of_means = means.width(), width = shown.width();
-            cells.add_largest({variance + of_means * of_means / 4, width * width, width});
-            range.add(shown);
-        }
-    };
-
     /// The mean over all patches of a map that repeats, for texels that hold each as often.
     void find_whole() {
         const AreaSums::Axis x = patch_axis(map_, map_.width), y = patch_axis(map_, map_.height);
@@ -239,71 +211,18 @@ class MapExpectation final : public AreaExpectation {
     void measure_whole() const {
         const AreaSums::Axis x = patch_axis(map_, map_.width), y = patch_axis(map_, map_.height);
         const auto width = static_cast<std::uint64_t>(x.count), height = static_cast<std::uint64_t>(y.count);
-        // Corners at the border of patches lie in up to four of them, each of which moves some of their
-        // cells: (a + b)² ≤ 2·(a² + b²)
-        const double at_borders = 1 + 1 / static_cast<double>(std::int64_t{1} << map_.cells_log2);
-        const double share = at_borders * at_borders / static_cast<double>(width * height);
+        const double share = 1 / static_cast<double>(width * height);
         PatchRow patches;
         patches.top.resize(static_cast<std::size_t>(width) + 1);
         patches.bottom.resize(patches.top.size());
         for (std::int64_t j = 0; j < y.count; ++j) {
             read_row(0, j, patches);
             for (std::size_t at = 0; at + 1 < patches.top.size(); ++at) {
-                Spread patch;
+                MapSpread patch;
                 measure(patches, at, patch);
-                const DrawSpread cell = corners_ ? patch.corners.of_cell(sharing_) : patch.cells;
-                whole_.variance += share * cell.variance;
-                whole_.squares += share * cell.squares;
-                whole_.farthest = std::max(whole_.farthest, 2 * cell.farthest);
+                bounds_.add_patch(share, patch, whole_);
             }
         }
-    }
-
-    ChanceBound bound_of(int up, const Spread& spread) const noexcept {
-        return bound_of(up, corners_ ? spread.corners.of_cell(sharing_) : spread.cells, spread.range);
-    }
-    ChanceBound bound_of(int up, DrawSpread of_cell, const ColourRange& shown) const noexcept {
-        const double cells =
-            static_cast<double>(std::int64_t{1} << up) * static_cast<double>(std::int64_t{1} << up);
-        if (of_cell.squares <= 0) return {};
-        const double range = shown.width();
-        // Shares that lie elsewhere shift a mean by so much of the range, and what a corner makes of four
-        // means by eight times that
-        of_cell.farthest += 8 * uneven_ * range;
-        of_cell.squares += 128 * uneven_ * range * range;
-        of_cell.variance += (3 + 128.0 / 4) * uneven_ * range * range;
-        if (independent_) {
-            const double codes = spread_codes(of_cell, cells);
-            if (codes < 255 * range) return {codes, stated_confidence};
-        } else if (nested_ && !corners_ && !draws_looks_) {
-            const double codes = nested_codes(up, range), likely = nested_chance_codes(cells, range);
-            if (codes < 255 * range && codes <= likely) return {codes, 1};
-            if (likely < 255 * range) return {likely, stated_confidence};
-        }
-        return {255 * range, 1};  // both lie among the colours that cells may show
-    }
-
-    /// Nested thresholds dither: of each aligned block of 4^j cells, the number below a threshold is right
-    /// within one; the bilinear weights that they are held against change inside a block by 2·(2^j − 1)
-    /// cells' worth at most. The three weights between four entries each shift the colour by the looks' range
-    /// at most; one entry shows one look.
-    double nested_codes(int up, double range) const noexcept {
-        const auto side = static_cast<double>(std::int64_t{1} << map_.cells_log2);
-        double least = 1;
-        for (int j = 0; j <= std::min(up, map_.cells_log2); ++j) {
-            const auto block = static_cast<double>(std::int64_t{1} << j);
-            least = std::min(least, 1 / (block * block) + 2 * (block - 1) / side);
-        }
-        return 255 * 3 * range * least;
-    }
-
-    /// And whatever the map does: reveal the thresholds digit by digit. A digit is a permutation of four,
-    /// drawn for each node and each stratum (what the digits before it say), of the four cells of the node
-    /// that lie in it. What a cell is expected to show changes by no more than the looks' range, and four
-    /// cells' expectations by a variance of at most 4 · 4 · range²/4 (Cauchy and Schwarz, Popoviciu): range²
-    /// a cell, and there are 16 digits.
-    static double nested_chance_codes(double cells, double range) noexcept {
-        return spread_codes({16 * range * range, 64 * range * range, 4 * range}, cells);
     }
 
     /// Patches of a row of the texture, from the `first` on: what their expectations are made of.
@@ -349,7 +268,7 @@ class MapExpectation final : public AreaExpectation {
         patches.top.resize(static_cast<std::size_t>(((left + region.width - 1) >> texels_log2) - first + 2));
         patches.bottom.resize(patches.top.size());
 
-        Spread spread;
+        MapSpread spread;
         for (std::int32_t y = 0; y < region.height; ++y) {
             if (auto spent = check_budget(budget); !spent) return spent.error();
             const bool new_row = y == 0 || ((top + y) & mask) == 0;
@@ -376,7 +295,7 @@ class MapExpectation final : public AreaExpectation {
                     write(texel, combined(across[static_cast<std::size_t>(x)], column));
             }
         }
-        const ChanceBound bound = bound_of(up, spread);
+        const ChanceBound bound = bounds_.of(up, spread);
         return Evaluation{.method = "expectation",
                           .bound_codes = bound.codes + rounding_codes,
                           .confidence = bound.confidence,
@@ -406,10 +325,10 @@ class MapExpectation final : public AreaExpectation {
                 for (std::size_t c = 0; c < 4; ++c) column[k][c] += down[row] * colour[c];
             }
     }
-    void measure(const PatchRow& patches, Spread& spread) const noexcept {
+    void measure(const PatchRow& patches, MapSpread& spread) const noexcept {
         for (std::size_t at = 0; at + 1 < patches.top.size(); ++at) measure(patches, at, spread);
     }
-    void measure(const PatchRow& patches, std::size_t at, Spread& spread) const noexcept {
+    void measure(const PatchRow& patches, std::size_t at, MapSpread& spread) const noexcept {
         if (corners_) return spread.add((*corner_patches_)[patches.top[at]]);
         std::array<const LookMixture*, 4> entries;
         std::size_t count = 0;
@@ -468,23 +387,19 @@ class MapExpectation final : public AreaExpectation {
     }
 
     const StoredMap& map_;
-    double uneven_;  ///< Of all shares, what may lie elsewhere.
+    MapBounds bounds_;
     MapStates states_;
     PatchBasis columns_, rows_;
     bool corners_;
     bool drawn_;  ///< States are drawn: the map is dithered.
-    bool nested_;
-    double sharing_;            ///< Of a cell's own draws, how many classes of cells do not share any.
-    bool draws_looks_ = false;  ///< Without corners: a state does not say all.
-    bool independent_;
     Colour base_{};
     std::vector<LookMixture> looks_;                       ///< By state, without corners.
     mutable std::optional<CornerPatches> corner_patches_;  ///< Numbers patches; changes none.
     std::size_t all_patches_ = 0;  ///< Patches are numbered by their states, of so many; 0: as they come.
     mutable std::once_flag tabled_;
     mutable std::vector<std::uint16_t> patch_of_;  ///< With corners: of each stored patch.
-    Spread spread_;                                ///< Of all patches.
-    mutable DrawSpread whole_;                     ///< A cell's on the average of all patches: of texels of
+    MapSpread spread_;                             ///< Of all patches.
+    mutable MapBounds::CellDraws whole_;           ///< A cell's on the average of all patches: of texels of
     int whole_up_ = max_level + 1;                 ///< this many levels above the cell, or more.
     mutable int block_ = 0;                        ///< log2 of the side of what is summed, in patches.
     mutable std::int64_t shift_x_ = 0, shift_y_ = 0;

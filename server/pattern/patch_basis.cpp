@@ -1,6 +1,7 @@
 #include "server/pattern/patch_basis.h"
 
 #include <cmath>
+#include <numbers>
 
 namespace tessera {
 namespace {
@@ -61,6 +62,29 @@ std::array<double, most_functions> means_over(PatchBasis basis, std::int64_t fir
     for (std::size_t i = 0; i < most_functions; ++i)
         means[i] = (1 - 2 * outer) * middle[i] + outer * (left[i] + right[i]);
     return means;
+}
+
+PatchProbes probes_of(PatchBasis basis, std::int64_t cells) {
+    constexpr std::int64_t most = 32;
+    PatchProbes probes;
+    if (cells <= most) {
+        probes.complete = true;
+        for (std::int64_t cell = 0; cell < cells; ++cell)
+            probes.values.push_back(means_over(basis, cell, 1, cells));
+        return probes;
+    }
+    if (basis != PatchBasis::quartic) {
+        // One of two values
+        probes.values = {means_over(basis, 0, 1, cells), means_over(basis, cells - 1, 1, cells)};
+        return probes;
+    }
+    // A polynomial of degree eight is at most 1 / cos(8π / 2m) times as large as at m of Chebyshev's nodes
+    // (Ehlich and Zeller, "Schwankung von Polynomen zwischen Gitterpunkten", 1964)
+    for (int i = 0; i < most; ++i)
+        probes.values.push_back(
+            lagrange(0.5 + 0.5 * std::cos((i + 0.5) * std::numbers::pi / static_cast<double>(most))));
+    probes.missed = 1 / std::cos(8 * std::numbers::pi / (2.0 * static_cast<double>(most)));
+    return probes;
 }
 
 }  // namespace tessera

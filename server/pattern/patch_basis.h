@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "server/blocks/cell_program.h"
 
@@ -38,5 +39,13 @@ double right_weight(PatchBasis basis, std::size_t sample, int corner, double cel
 /// The mean of each function over `count` cells from `first` on, of the patch's `cells` (powers of two).
 std::array<double, most_functions> means_over(PatchBasis basis, std::int64_t first, std::int64_t count,
                                               std::int64_t cells) noexcept;
+
+/// Where the largest value of something quadratic in such sums is looked for: pieces and quartic.
+struct PatchProbes {
+    std::vector<std::array<double, most_functions>> values;  ///< Of the functions, at each place.
+    bool complete = false;  ///< These are all places, each as often as it occurs.
+    double missed = 1;      ///< Between places it is at most so many times as large.
+};
+PatchProbes probes_of(PatchBasis basis, std::int64_t cells);
 
 }  // namespace tessera

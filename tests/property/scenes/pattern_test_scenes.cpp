@@ -106,10 +106,10 @@ std::vector<PatternTestScene> pattern_test_scenes() {
     return {
         // The samples
         {.name = "tiles", .is_exact = true},
-        {.name = "meadow-sand", .largest_bound = 2.6, .x = 5400, .y = 3300},
+        {.name = "meadow-sand", .largest_bound = 1.2, .x = 5400, .y = 3300},
         {.name = "leaves", .is_exact = true},
         {.name = "autumn", .largest_bound = 41, .x = 5000, .y = 5000, .side = 8},
-        {.name = "terrain", .largest_bound = 3.6, .x = 1069023232, .y = 1065877504},
+        {.name = "terrain", .largest_bound = 2.9, .x = 1069023232, .y = 1065877504},
         {.name = "petals", .largest_bound = 24},
         {.name = "grove", .is_exact = true, .slice = 12},
         // Each generator
