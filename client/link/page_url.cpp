@@ -24,6 +24,8 @@ std::string scene_target(std::string_view scene_id) { return "/scenes/" + percen
 
 std::string page_target(std::string_view scene_id, Extent extent, PageKey page, const FetchOptions& options) {
     std::string target = scene_target(scene_id);
+    for (std::size_t i = 0; i < options.without.size(); ++i)
+        target += (i == 0 ? "/without-" : ",") + std::to_string(options.without[i]);
     for (const std::uint32_t part : {std::uint32_t{extent.zoom(page.level)}, page.x, page.y}) {
         target += '/';
         target += std::to_string(part);
@@ -39,6 +41,7 @@ std::string page_target(std::string_view scene_id, Extent extent, PageKey page, 
     if (options.gutter != 0) add("gutter", std::to_string(options.gutter));
     if (options.accuracy != Accuracy::high) add("accuracy", name_of(options.accuracy));
     if (options.channels != ChannelSet::albedo) add("channels", name_of(options.channels));
+    if (options.step != 0) add("step", std::to_string(options.step));
     return target;
 }
 

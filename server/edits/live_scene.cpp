@@ -413,6 +413,7 @@ void LiveScene::publish() {
     scene->page_revisions = page_revisions_;
     scene->sprites = book_.map();
     scene->clock = document_->clock;
+    scene->message = document_->message;
     take_ground(*scene, *ground_, *document_);
     scene->animated = scene->ground_animated || book_.map().living() > 0;
     if (scene->sprite_images)

@@ -7,6 +7,7 @@
 #include <xxhash.h>
 
 #include "server/http/descriptions.h"
+#include "server/http/editables.h"
 
 namespace tessera {
 namespace {
@@ -79,6 +80,12 @@ Routes::Outcome Routes::route(const RequestHead& request, const Site& site) {
         if (site.draining) return refusal_answer({503, "stopping", true});
         const ScenePtr scene = site.catalog->find((*segments)[1]);
         return scene ? stream(request, *scene) : refusal_answer(no_such_scene((*segments)[1]));
+    }
+    if (segments->size() == 3 && segments->back() == "editables") {
+        const ScenePtr scene = site.catalog->find((*segments)[1]);
+        return scene ? text_answer(200, "application/json", describe_editables(*scene),
+                                   "Cache-Control: no-store\r\n")
+                     : refusal_answer(no_such_scene((*segments)[1]));
     }
     if (segments->size() == 1) return scene_list(request, *site.catalog);
     if (segments->size() == 2) {

@@ -19,6 +19,9 @@
 
 namespace tessera {
 
+namespace proto {
+class Scene;
+}
 class SceneDocument;
 class SpriteImages;
 struct EditableMap;
@@ -48,6 +51,8 @@ struct Scene {
     double steps_per_second = 10;                   ///< At which players show it.
     std::int64_t loop_steps = 0;                    ///< After which players begin again at step 0; 0: never.
     std::shared_ptr<const SceneDocument> document;  ///< What edits change; null: it takes none.
+    /// What its file says, as edits left it, of a served scene that takes edits of more than sprites.
+    std::shared_ptr<const proto::Scene> message{};
     std::shared_ptr<const std::vector<EditableMap>> editable_maps;  ///< Of its pattern; null: none.
     std::optional<SceneClock> clock;  ///< Of a scene that takes edits, as it is served.
     std::string block_list;  ///< Of a pattern, for `tessera check`: a line for each block of the scene file.
