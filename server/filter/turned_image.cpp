@@ -15,11 +15,68 @@ TurnedImage::TurnedImage(const ImagePlacement& placement)
     const double y = 0.5 * placement.side + sine_ * placement.middle_x - cosine_ * placement.middle_y;
     const auto whole = [](double v) { return v == static_cast<double>(static_cast<std::int64_t>(v)); };
     onto_texels_ = placement.scale == 1 && (t.cosine == 0 || t.sine == 0) && whole(x) && whole(y);
+    if (!onto_texels_ && (t.cosine == 0 || t.sine == 0)) cut_axes();
+}
+
+/// The integral of the surface along one axis (parallelogram.h): from [i + 0.5, i + 1.5] on it goes from one
+/// texel to the next.
+TurnedImage::Stretch TurnedImage::stretch(double from, double to) {
+    if (from > to) std::swap(from, to);
+    const double side = placement_.side, least = std::max(from, 0.0) - 0.5, most = std::min(to, side) - 0.5;
+    Stretch found{0, axis_weights_.size(), axis_weights_.size()};
+    if (!(least < most)) return found;
+    const auto floor_of = [](double v) { return static_cast<std::int32_t>(v + 1) - 1; };  // v >= −1
+    found.first = std::max(floor_of(least), 0);
+    const std::int32_t last = std::min(floor_of(most) + 1, placement_.side - 1);
+    axis_weights_.resize(found.from + static_cast<std::size_t>(last - found.first + 1));
+    const auto at = [&](std::int32_t i) -> double& {
+        return axis_weights_[found.from +
+                             static_cast<std::size_t>(std::clamp(i, 0, placement_.side - 1) - found.first)];
+    };
+    for (std::int32_t i = floor_of(least); i < most; ++i) {
+        const double a = std::max(least, static_cast<double>(i)) - i, b = std::min(most - i, 1.0);
+        const double towards = (b - a) * (b + a) / 2;
+        at(i) += b - a - towards;
+        at(i + 1) += towards;
+    }
+    found.to = axis_weights_.size();
+    return found;
+}
+
+void TurnedImage::cut_axes() {
+    const double c = cosine_, s = sine_, middle = 0.5 * placement_.side;
+    for (std::int32_t i = 0; i < placement_.width; ++i) {
+        const double x = i - placement_.middle_x, y = i - placement_.middle_y;
+        // A quarter turn exchanges the axes: then the result's columns are rows of the image
+        columns_.push_back(s == 0 ? stretch(middle + c * x, middle + c * x + c)
+                                  : stretch(middle - s * x, middle - s * x - s));
+        rows_.push_back(s == 0 ? stretch(middle + c * y, middle + c * y + c)
+                               : stretch(middle + s * y, middle + s * y + s));
+    }
+}
+
+void TurnedImage::set_straight_row(std::int32_t y) {
+    const double area = placement_.scale * placement_.scale;
+    const Stretch& down = rows_[static_cast<std::size_t>(y)];
+    for (const Stretch& across : columns_) {
+        const Stretch &rows = sine_ == 0 ? down : across, &columns = sine_ == 0 ? across : down;
+        for (std::size_t j = rows.from; j < rows.to; ++j)
+            for (std::size_t i = columns.from; i < columns.to; ++i) {
+                const double weight = axis_weights_[j] * axis_weights_[i];
+                if (weight > 0)
+                    taps_.push_back(
+                        {(rows.first + static_cast<std::int32_t>(j - rows.from)) * placement_.side +
+                             columns.first + static_cast<std::int32_t>(i - columns.from),
+                         weight * area});
+            }
+        from_.push_back(taps_.size());
+    }
 }
 
 void TurnedImage::set_row(std::int32_t y) {
     taps_.clear();
     from_.assign(1, 0);
+    if (!columns_.empty()) return set_straight_row(y);
     const double c = cosine_, s = sine_, size = placement_.scale, side = placement_.side;
     for (std::int32_t x = 0; x < placement_.width; ++x) {
         const double from_x = x - placement_.middle_x, from_y = y - placement_.middle_y;

@@ -32,12 +32,24 @@ class TurnedImage {
     void sum(const std::uint16_t* image, std::uint16_t* out) const noexcept;
 
   private:
+    /// What the image's columns, or its rows, weigh in a stretch of its axis.
+    struct Stretch {
+        std::int32_t first = 0;
+        std::size_t from = 0, to = 0;  ///< Of axis_weights_.
+    };
+    void cut_axes();
+    Stretch stretch(double from, double to);
+    void set_straight_row(std::int32_t y);
+
     ImagePlacement placement_;
     double cosine_, sine_;  ///< Divided by the scale: from the result back into the image.
     bool onto_texels_;
     FootprintTaps footprints_;
     std::vector<Tap> taps_;
     std::vector<std::size_t> from_;  ///< Of each texel's taps, and behind the last.
+    /// Of footprints along the axes, whose weights are products: of each column and row of the result.
+    std::vector<Stretch> columns_, rows_;
+    std::vector<double> axis_weights_;
 };
 
 }  // namespace tessera
