@@ -1,6 +1,8 @@
 #include "client/render/filter_pass.h"
 
+#include "client/render/held_sprites.h"
 #include "client/render/shader_program.h"
+#include "client/render/surface_geometry.h"
 
 namespace tessera {
 namespace {
@@ -42,10 +44,12 @@ void SourceBlock::set_extent(Extent extent, const PlanePoint& origin) {
 }
 
 FilterPass::FilterPass(std::size_t picture_block_bytes)
-    : blocks_{make_block(sizeof(SourceBlock)), make_block(picture_block_bytes)},
+    : blocks_{make_block(sizeof(SourceBlock)), make_block(picture_block_bytes),
+              make_block(sizeof(HeldSprites::Block))},
       linear_clamped_{make_sampler(GL_LINEAR, GL_LINEAR, GL_CLAMP_TO_EDGE)},
       linear_repeating_{make_sampler(GL_LINEAR, GL_LINEAR_MIPMAP_NEAREST, GL_REPEAT)},
-      nearest_{make_sampler(GL_NEAREST, GL_NEAREST, GL_CLAMP_TO_EDGE)} {
+      nearest_{make_sampler(GL_NEAREST, GL_NEAREST, GL_CLAMP_TO_EDGE)},
+      mip_mapped_{make_sampler(GL_LINEAR, GL_LINEAR_MIPMAP_LINEAR, GL_CLAMP_TO_EDGE)} {
     if (has_driver_anisotropy()) {
         driver_clamped_ = make_sampler(GL_LINEAR, GL_LINEAR, GL_CLAMP_TO_EDGE, 16);
         driver_repeating_ = make_sampler(GL_LINEAR, GL_LINEAR_MIPMAP_LINEAR, GL_REPEAT, 16);
@@ -61,7 +65,7 @@ Result<GLuint> FilterPass::program(ShaderVariant variant) {
     if (const auto found = programs_.find(variant); found != programs_.end()) return found->second.name();
     if (variant.filter.filter == Filter::driver_anisotropic && !has_driver_anisotropy())
         return Error{ErrorCode::io_failure, "this driver has no anisotropic sampler"};
-    auto made = make_program(vertex_source(), fragment_source(variant));
+    auto made = make_program(vertex_source(variant), fragment_source(variant));
     if (!made) return made.error();
     return programs_.emplace(variant, std::move(made.value())).first->second.name();
 }
@@ -72,7 +76,8 @@ Result<void> FilterPass::prepare(const ShaderVariant& variant) {
 }
 
 Result<void> FilterPass::draw(const ShaderVariant& variant, const SourceBlock& source,
-                              std::span<const std::byte> picture_block, const TexelTextures& texels) {
+                              std::span<const std::byte> picture_block, const TexelTextures& texels,
+                              const SurfaceGeometry* geometry) {
     const auto made = program(variant);
     if (!made) return made.error();
     glNamedBufferSubData(blocks_[0].name(), 0, sizeof source, &source);
@@ -82,7 +87,9 @@ Result<void> FilterPass::draw(const ShaderVariant& variant, const SourceBlock& s
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_CULL_FACE);
     glUseProgram(*made);
-    for (GLuint block = 0; block < 2; ++block)
+    if (variant.held_sprites)
+        glNamedBufferSubData(blocks_[2].name(), 0, sizeof(HeldSprites::Block), &texels.held->block());
+    for (GLuint block = 0; block < 3; ++block)
         glBindBufferBase(GL_UNIFORM_BUFFER, block, blocks_[block].name());
     const bool by_driver = variant.filter.filter == Filter::driver_anisotropic;
     const GlSampler& colour = by_driver ? (variant.whole ? driver_repeating_ : driver_clamped_)
@@ -92,10 +99,25 @@ Result<void> FilterPass::draw(const ShaderVariant& variant, const SourceBlock& s
         glBindTextureUnit(unit, units[unit]);
         glBindSampler(unit, unit == 0 ? colour.name() : nearest_.name());
     }
+    if (variant.held_sprites) {
+        const GLuint held[] = {texels.held->map_texture(), texels.held->list_texture(),
+                               texels.held->pattern_texture()};
+        for (GLuint unit = 0; unit < 3; ++unit) {
+            glBindTextureUnit(4 + unit, held[unit]);
+            glBindSampler(4 + unit, unit == 2 ? mip_mapped_.name() : nearest_.name());
+        }
+    }
+    if (variant.overlay == Overlay::revision) {
+        glBindTextureUnit(7, texels.marks);
+        glBindSampler(7, nearest_.name());
+    }
     if (variant.feedback) glBindImageTexture(0, texels.feedback, 0, GL_TRUE, 0, GL_WRITE_ONLY, GL_R32UI);
     glBindVertexArray(no_vertices_.name());
-    glDrawArrays(GL_TRIANGLES, 0, 3);
-    for (GLuint unit = 0; unit < 4; ++unit) glBindSampler(unit, 0);
+    if (geometry)
+        geometry->draw();
+    else
+        glDrawArrays(GL_TRIANGLES, 0, 3);
+    for (GLuint unit = 0; unit < 8; ++unit) glBindSampler(unit, 0);
     return {};
 }
 

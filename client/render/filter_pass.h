@@ -14,6 +14,9 @@
 
 namespace tessera {
 
+class HeldSprites;
+class SurfaceGeometry;
+
 /// The uniform block `Source` of shaders/source.glsl, in std140.
 struct SourceBlock {
     std::int32_t origin_page[2] = {};
@@ -37,11 +40,13 @@ static_assert(sizeof(SourceBlock) == 64);
 
 /// What a shader reads texels from; which of them, its variant says.
 struct TexelTextures {
-    GLuint colour = 0;     ///< Pages, or a whole texture; decodes to linear light.
-    GLuint coded = 0;      ///< Pages as stored.
-    GLuint table = 0;      ///< The page table.
-    GLuint integrals = 0;  ///< See IntegralStore.
-    GLuint feedback = 0;   ///< R32UI, as large as the page table: entries of pages that were read become 1.
+    GLuint colour = 0;                  ///< Pages, or a whole texture; decodes to linear light.
+    GLuint coded = 0;                   ///< Pages as stored.
+    GLuint table = 0;                   ///< The page table.
+    GLuint integrals = 0;               ///< See IntegralStore.
+    const HeldSprites* held = nullptr;  ///< Sprites in hands, prepared for the view; null: none.
+    GLuint feedback = 0;  ///< R32UI, as large as the page table: entries of pages that were read become 1.
+    GLuint marks = 0;     ///< R32F, one texel a slot: see Overlay::revision.
 };
 
 /// Draws one triangle over the picture with a variant of the filter shaders. Compiles each variant when it is
@@ -55,16 +60,18 @@ class FilterPass {
     Result<void> prepare(const ShaderVariant& variant);
 
     /// Into the framebuffer that is bound. Error: as in prepare().
+    /// `geometry`: what is drawn instead of the triangle over the picture; of Picture::surface.
     Result<void> draw(const ShaderVariant& variant, const SourceBlock& source,
-                      std::span<const std::byte> picture_block, const TexelTextures& texels);
+                      std::span<const std::byte> picture_block, const TexelTextures& texels,
+                      const SurfaceGeometry* geometry = nullptr);
 
   private:
     Result<GLuint> program(ShaderVariant variant);
 
     std::map<ShaderVariant, GlProgram> programs_;
-    std::array<GlBuffer, 2> blocks_;
+    std::array<GlBuffer, 3> blocks_;
     GlVertexArray no_vertices_;
-    GlSampler linear_clamped_, linear_repeating_, nearest_, driver_clamped_, driver_repeating_;
+    GlSampler linear_clamped_, linear_repeating_, nearest_, mip_mapped_, driver_clamped_, driver_repeating_;
 };
 
 }  // namespace tessera

@@ -18,6 +18,11 @@ FrameTarget::FrameTarget(int width, int height) : width_{width}, height_{height}
     glCreateFramebuffers(1, &name);
     linear_framebuffer_ = GlFramebuffer{name};
     glNamedFramebufferTexture(name, GL_COLOR_ATTACHMENT0, linear_view_.name(), 0);
+    glCreateTextures(GL_TEXTURE_2D, 1, &name);
+    depth_ = GlTexture{name};
+    glTextureStorage2D(name, 1, GL_DEPTH_COMPONENT32F, width, height);
+    for (const GlFramebuffer* framebuffer : {&framebuffer_, &linear_framebuffer_})
+        glNamedFramebufferTexture(framebuffer->name(), GL_DEPTH_ATTACHMENT, name, 0);
 }
 
 void FrameTarget::bind() const {

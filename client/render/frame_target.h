@@ -8,7 +8,8 @@ namespace tessera {
 /// Waits for a framebuffer's picture (0: the window's own); rows from the top.
 Rgba8Image read_framebuffer(GLuint framebuffer, int width, int height);
 
-/// What every frame is drawn into, with or without a window: RGBA, 8 bits a channel, coded for display.
+/// What every frame is drawn into, with or without a window: RGBA, 8 bits a channel, coded for display, and
+/// depths in floats.
 class FrameTarget {
   public:
     FrameTarget(int width, int height);
@@ -29,7 +30,7 @@ class FrameTarget {
   private:
     int width_;
     int height_;
-    GlTexture colour_, linear_view_;
+    GlTexture colour_, linear_view_, depth_;
     GlFramebuffer framebuffer_, linear_framebuffer_;
 };
 

@@ -6,14 +6,14 @@
 namespace tessera {
 namespace {
 
-/// The uniform block `View` of shaders/plane.frag, in std140.
+/// The uniform block `View` of shaders/view.glsl, in std140.
 struct ViewBlock {
     float forward[4];
-    float right[4];  ///< × tangent of half the horizontal field of view
+    float right[4];  ///< × tangent of half the horizontal field of view; last: nothing is nearer than this
     float up[4];     ///< × tangent of half the vertical field of view
     float picture[2];
-    float height;
-    float haze;  ///< 1, or 0 without
+    float height;  ///< What haze is measured by
+    float haze;    ///< 1, or 0 without
 };
 static_assert(sizeof(ViewBlock) == 64);
 
@@ -24,6 +24,8 @@ void put(float (&target)[4], const Vector3& v, double scale) {
     target[3] = 0;
 }
 
+constexpr double least_haze_height = 1500;  ///< Texels, of surfaces that are no plane
+
 ViewBlock block_of(const PlaneView& view, bool haze) {
     ViewBlock block{};
     put(block.forward, view.forward(), 1);
@@ -31,7 +33,10 @@ ViewBlock block_of(const PlaneView& view, bool haze) {
     put(block.up, view.up(), view.tangent_y());
     block.picture[0] = static_cast<float>(view.width());
     block.picture[1] = static_cast<float>(view.height());
-    block.height = static_cast<float>(view.camera().height_texels);
+    // Hills and walls near the eye are no fog
+    const double height = view.camera().height_texels;
+    block.height = static_cast<float>(view.is_plane() ? height : std::max(height, least_haze_height));
+    block.right[3] = static_cast<float>(1e-3 * height);
     block.haze = haze ? 1 : 0;
     return block;
 }
@@ -44,12 +49,13 @@ int rows_of_plane(const PlaneView& view) {
     return static_cast<int>(std::ceil(std::clamp(horizon, 0.0, static_cast<double>(view.height()))));
 }
 
-ShaderVariant variant_of(const PlaneStyle& style) {
+ShaderVariant variant_of(const PlaneStyle& style, bool is_plane = true, bool held = false) {
     const bool stored = style.filter.filter == Filter::stored;
-    return {.picture = ShaderVariant::Picture::plane,
+    return {.picture = is_plane ? ShaderVariant::Picture::plane : ShaderVariant::Picture::surface,
             .filter = style.filter,
             .fading = style.fade_ms > 0 && !stored,
-            .page_borders = style.page_borders && !stored,
+            .overlay = stored ? Overlay::none : style.overlay,
+            .held_sprites = held && !stored,
             .feedback = style.feedback};
 }
 
@@ -75,12 +81,17 @@ Result<void> PlaneRenderer::draw(const FrameTarget& target, const PlaneView& vie
     source.lod_bias = static_cast<float>(style.lod_bias);
 
     const bool stored = style.filter.filter == Filter::stored;
-    const int below = rows_of_plane(view);
+    const int first = std::clamp(style.first_column, 0, view.width()),
+              columns = std::clamp(style.end_column, first, view.width()) - first;
+    // A plane ends at the horizon; hills rise above it, and are drawn over the sky
+    const int horizon = rows_of_plane(view);
+    const int sky_from = view.is_plane() ? horizon : std::max(horizon - 2, 0),
+              rows = view.is_plane() ? horizon : view.height();
     glEnable(GL_SCISSOR_TEST);
-    Result<void> sky, plane;
-    if (below < view.height()) {
+    Result<void> sky, surface;
+    if (sky_from < view.height()) {
         target.bind();
-        glScissor(0, below, view.width(), view.height() - below);
+        glScissor(first, sky_from, columns, view.height() - sky_from);
         if (stored) {
             constexpr float nothing[4] = {};
             glClearBufferfv(GL_COLOR, 0, nothing);
@@ -89,17 +100,20 @@ Result<void> PlaneRenderer::draw(const FrameTarget& target, const PlaneView& vie
                              std::as_bytes(std::span{&block, 1}), {});
         }
     }
-    if (below > 0) {
+    if (rows > 0) {
         if (stored)
             target.bind();
         else
             target.bind_linear();
-        glScissor(0, 0, view.width(), below);
-        plane = pass_.draw(variant_of(style), source, std::as_bytes(std::span{&block, 1}), texels);
+        glScissor(first, 0, columns, rows);
+        if (!view.is_plane()) geometry_.upload(view.pieces());
+        surface =
+            pass_.draw(variant_of(style, view.is_plane(), texels.held != nullptr), source,
+                       std::as_bytes(std::span{&block, 1}), texels, view.is_plane() ? nullptr : &geometry_);
         glDisable(GL_FRAMEBUFFER_SRGB);
     }
     glDisable(GL_SCISSOR_TEST);
-    return sky ? plane : sky;
+    return sky ? surface : sky;
 }
 
 }  // namespace tessera

@@ -1,5 +1,6 @@
 #include "client/render/plane_scene.h"
 
+#include <chrono>
 #include <vector>
 
 namespace tessera {
@@ -14,20 +15,22 @@ Result<std::unique_ptr<PlaneScene>> PlaneScene::make(Extent extent, PageSource& 
 PlaneScene::PlaneScene(Extent extent, PageSource& source, const ResidencySettings& settings,
                        PlaneRenderer renderer)
     : residency_{extent, source, settings},
-      pages_{settings.slots},
+      pages_{residency_.slots()},
       table_{extent, settings.window_side},
       renderer_{std::move(renderer)} {}
 
 ResidencyFrame PlaneScene::update(const PlaneView& view, FrameTime time, FilterChoice filter) {
     ResidencyFrame frame = residency_.update(view, time, sampling_of(filter));
     // From now on sums are made while texels are at hand; draw() says why if there is no room
-    if (filter.filter == Filter::line_integral && !integrals_)
-        if (auto made = IntegralStore::make(residency_.settings().slots))
-            integrals_ = std::move(made.value());
+    const bool sums = filter.filter == Filter::line_integral ||
+                      (view.split() && view.split()->right.kind == Sampling::Kind::line_integral);
+    if (sums && !integrals_)
+        if (auto made = IntegralStore::make(residency_.slots())) integrals_ = std::move(made.value());
+    const auto begin = std::chrono::steady_clock::now();
     for (const SlotUpload& upload : frame.uploads) {
         pages_.upload(upload.slot, upload.texels);
         // Summed while its texels are at hand where sums are wanted; else remembered
-        if (integrals_ && filter.filter == Filter::line_integral) {
+        if (integrals_ && sums) {
             integrals_->upload(upload.slot, upload.texels, gutter_texels);
             without_integrals_.erase(upload.slot);
         } else {
@@ -35,6 +38,9 @@ ResidencyFrame PlaneScene::update(const PlaneView& view, FrameTime time, FilterC
         }
     }
     table_.update(residency_.table());
+    upload_ms_ =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    budget_.spent(frame.uploads.size(), upload_ms_);
     if (!frame.uploads.empty()) last_upload_ = time.now;
     lod_bias_ = frame.lod_bias;
     now_ = time.now;
@@ -44,7 +50,7 @@ ResidencyFrame PlaneScene::update(const PlaneView& view, FrameTime time, FilterC
 /// Before a page is shown by its integrals, they are there.
 Result<void> PlaneScene::bring_integrals() {
     if (!integrals_) {
-        auto made = IntegralStore::make(residency_.settings().slots);
+        auto made = IntegralStore::make(residency_.slots());
         if (!made) return made.error();
         integrals_ = std::move(made.value());
     }
@@ -55,7 +61,8 @@ Result<void> PlaneScene::bring_integrals() {
 }
 
 Result<void> PlaneScene::resize(std::size_t slots) {
-    auto pages = PageStore::make(residency_.cache_slots(slots));
+    auto pages =
+        PageStore::make(residency_.cache_slots(slots) + residency_.slots() - residency_.cache().capacity());
     if (!pages) return pages.error();
     const SlotCache::Resized resized = residency_.resize(slots);
     pages->copy_from(pages_, resized.moves);
@@ -75,10 +82,12 @@ Result<void> PlaneScene::draw(const FrameTarget& target, const PlaneView& view, 
     if (now_ - last_upload_ > std::chrono::duration<float, std::milli>{style.fade_ms}) style.fade_ms = 0;
     if (style.filter.filter == Filter::line_integral)
         if (const auto there = bring_integrals(); !there) return there.error();
-    return renderer_.draw(target, view,
-                          {pages_.texture(), pages_.coded_texture(), table_.texture(),
-                           integrals_ ? integrals_->texture() : 0, feedback},
-                          residency_.settings().window_side, style);
+    if (style.overlay == Overlay::revision) marks_.update(residency_);
+    return renderer_.draw(
+        target, view,
+        {pages_.texture(), pages_.coded_texture(), table_.texture(), integrals_ ? integrals_->texture() : 0,
+         held_sprites_.prepare(held_, view) ? &held_sprites_ : nullptr, feedback, marks_.texture()},
+        residency_.settings().window_side, style);
 }
 
 }  // namespace tessera

@@ -3,15 +3,18 @@
 #include <memory>
 #include <set>
 
+#include "client/render/held_sprites.h"
 #include "client/render/integral_store.h"
+#include "client/render/page_marks.h"
 #include "client/render/page_store.h"
 #include "client/render/page_table_texture.h"
 #include "client/render/plane_renderer.h"
+#include "client/render/upload_budget.h"
 #include "client/residency/residency.h"
 
 namespace tessera {
 
-/// One virtual texture on the plane: its residency, and the GL objects that follow it.
+/// One virtual texture on a surface: its residency, and the GL objects that follow it.
 class PlaneScene {
   public:
     /// Needs a current context; `source` outlives this. Error: io_failure with the driver's words.
@@ -20,6 +23,19 @@ class PlaneScene {
 
     /// Decides what is resident for this view under this filter, and brings new pages and entries to the GPU.
     ResidencyFrame update(const PlaneView& view, FrameTime time, FilterChoice filter = {});
+
+    /// At most so many pages come in each update() from now on, at least 1.
+    void set_uploads_per_frame(std::size_t most) { residency_.set_uploads_per_frame(most); }
+    /// By what bringing pages took so far.
+    const UploadBudget& upload_budget() const { return budget_; }
+    /// What the last update() took to bring pages and entries to the GPU.
+    double upload_ms() const { return upload_ms_; }
+
+    /// Changes that are drawn over the pages from the next update() on.
+    void hold(std::vector<PageHold> holds) { residency_.hold(std::move(holds)); }
+    /// What hands hold in the next draw(): over the pages, in this order.
+    void show_held(std::vector<HeldSprite> sprites) { held_ = std::move(sprites); }
+    HeldSprites& held_patterns() { return held_sprites_; }
 
     /// Draws the view of the last update(), which was for the same filter. `style.lod_bias` and
     /// `style.now_ms` are set here. Error: io_failure (the driver refuses the filter's shader, or has no
@@ -34,6 +50,7 @@ class PlaneScene {
 
     const Residency& residency() const { return residency_; }
     const PageStore& pages() const { return pages_; }
+    const PageTableTexture& page_table() const { return table_; }
     /// Of pages, and of their line integrals once those were needed.
     std::size_t gpu_bytes() const { return pages_.bytes() + (integrals_ ? integrals_->bytes() : 0); }
 
@@ -45,8 +62,13 @@ class PlaneScene {
     PageStore pages_;
     PageTableTexture table_;
     PlaneRenderer renderer_;
+    PageMarks marks_;
+    HeldSprites held_sprites_;
+    std::vector<HeldSprite> held_;
     std::unique_ptr<IntegralStore> integrals_;  ///< Made when Filter::line_integral is first drawn
     std::set<int> without_integrals_;           ///< Slots whose page came since
+    UploadBudget budget_;
+    double upload_ms_ = 0;
     double lod_bias_ = 0;
     ClientTime now_{};
     ClientTime last_upload_{};

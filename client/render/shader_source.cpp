@@ -4,16 +4,20 @@
 
 #include "anisotropic_glsl.h"
 #include "filter_glsl.h"
+#include "held_sprites_glsl.h"
 #include "isotropic_glsl.h"
 #include "line_integral_glsl.h"
 #include "pages_glsl.h"
 #include "picture_vert.h"
 #include "plane_frag.h"
+#include "shading_glsl.h"
 #include "situation_frag.h"
 #include "sky_frag.h"
-#include "sky_glsl.h"
 #include "source_glsl.h"
 #include "supersample_glsl.h"
+#include "surface_frag.h"
+#include "surface_vert.h"
+#include "view_glsl.h"
 #include "whole_glsl.h"
 
 namespace tessera {
@@ -53,9 +57,11 @@ std::string definitions(const ShaderVariant& variant) {
     if (variant.filter.filter == Filter::stored) text += "#define STORED_TEXELS\n";
     if (variant.whole) text += "#define WHOLE\n";
     if (variant.fading) text += "#define FADING\n";
-    if (variant.page_borders) text += "#define PAGE_BORDERS\n";
+    if (variant.overlay != Overlay::none)
+        text += "#define OVERLAY " + std::to_string(static_cast<int>(variant.overlay)) + '\n';
     if (variant.count_fetches) text += "#define COUNT_FETCHES\n";
     if (variant.feedback) text += "#define FEEDBACK\n";
+    if (variant.held_sprites) text += "#define HELD_SPRITES\n";
     return text;
 }
 
@@ -77,16 +83,23 @@ const char* filter_file(Filter filter) {
 
 std::string fragment_source(const ShaderVariant& variant) {
     if (variant.picture == ShaderVariant::Picture::sky)
-        return std::string{version} + sky_glsl_source + sky_frag_source;
+        return std::string{version} + view_glsl_source + sky_frag_source;
     std::string text = version + definitions(variant);
-    const bool plane = variant.picture == ShaderVariant::Picture::plane;
-    for (const char* part : {source_glsl_source, variant.whole ? whole_glsl_source : pages_glsl_source,
-                             isotropic_glsl_source, filter_file(variant.filter.filter), filter_glsl_source,
-                             plane ? sky_glsl_source : "", plane ? plane_frag_source : situation_frag_source})
+    const bool situation = variant.picture == ShaderVariant::Picture::situation;
+    for (const char* part :
+         {source_glsl_source, variant.whole ? whole_glsl_source : pages_glsl_source, isotropic_glsl_source,
+          filter_file(variant.filter.filter), variant.held_sprites ? held_sprites_glsl_source : "",
+          filter_glsl_source, situation ? "" : view_glsl_source, situation ? "" : shading_glsl_source,
+          variant.picture == ShaderVariant::Picture::plane     ? plane_frag_source
+          : variant.picture == ShaderVariant::Picture::surface ? surface_frag_source
+                                                               : situation_frag_source})
         text += part;
     return text;
 }
 
-std::string vertex_source() { return std::string{version} + picture_vert_source; }
+std::string vertex_source(const ShaderVariant& variant) {
+    if (variant.picture != ShaderVariant::Picture::surface) return std::string{version} + picture_vert_source;
+    return std::string{version} + view_glsl_source + surface_vert_source;
+}
 
 }  // namespace tessera

@@ -3,25 +3,27 @@
 #include <string>
 
 #include "client/render/filter.h"
+#include "client/render/overlay.h"
 
 namespace tessera {
 
 /// One fragment shader: which picture, which texels, which filter. Software rasterisers run both sides of
 /// every branch, so what a picture does not need is not in its shader.
 struct ShaderVariant {
-    enum class Picture { plane, sky, situation };
+    enum class Picture { plane, surface, sky, situation };
     Picture picture = Picture::plane;
     FilterChoice filter{};
     bool whole = false;   ///< A whole texture instead of pages.
     bool fading = false;  ///< New pages fade in.
-    bool page_borders = false;
+    Overlay overlay = Overlay::none;
     bool count_fetches = false;  ///< Alpha says how many texels were read.
+    bool held_sprites = false;   ///< Draws what hands hold over the texture: TexelTextures::held.
     bool feedback = false;       ///< Says which pages were read: TexelTextures::feedback.
     auto operator<=>(const ShaderVariant&) const = default;
 };
 
 /// The source to compile behind nothing else.
 std::string fragment_source(const ShaderVariant& variant);
-std::string vertex_source();
+std::string vertex_source(const ShaderVariant& variant);
 
 }  // namespace tessera

@@ -4,6 +4,7 @@
 #include <span>
 #include <unordered_map>
 
+#include "client/residency/piece_visibility.h"
 #include "client/residency/pixel_reads.h"
 
 namespace tessera {
@@ -17,33 +18,23 @@ constexpr int least_pixels = 8;  ///< A smaller block reads all that it may read
 class Blocks {
   public:
     Blocks(const PlaneView& view, Extent extent, double lod_bias, const Sampling& sampling)
-        : view_{view}, reads_{view, extent, lod_bias, sampling} {
+        : view_{view}, visibility_{view}, reads_{view, extent, lod_bias, sampling} {
         pages_.reserve(1024);
     }
 
     std::vector<NeededPage> run() {
-        int first_row = 0;
-        while (first_row < view_.height() && !reads_.sees_plane(first_row)) ++first_row;
         std::vector<Block> blocks;
-        for (int y = first_row; y < view_.height();) {
-            // Near the horizon a row's level differs from the next one's
-            const int rows = std::clamp((y - first_row) / 2, 1, block_pixels);
-            const int below = std::min(y + rows, view_.height());
-            for (int x = 0; x < view_.width(); x += block_pixels)
-                blocks.push_back({.left = x,
-                                  .top = y,
-                                  .right = std::min(x + block_pixels, view_.width()),
-                                  .bottom = below});
-            y = below;
-        }
+        for (const FlatPiece& piece : view_.pieces()) add_blocks(piece, blocks);
         for (Block& block : blocks) {
+            reads_.look_at(*block.piece);
             share_pixels(block);
-            look_at_middle(block);
+            look_at_one(block);
         }
         for (const Block& block : blocks) {
+            reads_.look_at(*block.piece);
             const auto may_read = std::span{may_read_}.subspan(block.first_read, block.reads);
             if (std::ranges::any_of(may_read, [](const Page* page) { return !page->is_needed; }))
-                look_closer(block);
+                look_closer(*block.piece, block.seen);
         }
         std::vector<NeededPage> found;
         found.reserve(pages_.size());
@@ -54,51 +45,92 @@ class Blocks {
     }
 
   private:
+    using Seen = PieceVisibility::Seen;
     struct Block {
-        int left, top, right, bottom;
+        const FlatPiece* piece;
+        Seen seen;
         std::size_t first_read = 0, reads = 0;  ///< In may_read_
-        int pixels() const { return (right - left) * (bottom - top); }
     };
     struct Page {
         double pixels = 0;
         bool is_needed = false;
     };
 
+    void add_blocks(const FlatPiece& piece, std::vector<Block>& blocks) {
+        const Seen whole = visibility_.seen(piece, visibility_.box_of(piece));
+        const PixelBox& box = whole.box;
+        for (int y = box.top; y < box.bottom;) {
+            // Near a horizon a row's level differs from the next one's
+            const int rows = view_.is_plane() ? std::clamp((y - box.top) / 2, 1, block_pixels) : block_pixels;
+            const int below = std::min(y + rows, box.bottom);
+            for (int x = box.left; x < box.right; x += block_pixels) {
+                const Seen seen =
+                    visibility_.seen(piece, {x, y, std::min(x + block_pixels, box.right), below});
+                if (seen.pixels > 0) blocks.push_back({&piece, seen});
+            }
+            y = below;
+        }
+    }
+
+    /// Of a box of which a corner lies beyond the piece's horizon, nothing can be said.
+    bool is_bounded(const PixelBox& box) const {
+        return reads_.sees_plane(box.left, box.top) && reads_.sees_plane(box.right - 1, box.top) &&
+               reads_.sees_plane(box.left, box.bottom - 1) &&
+               reads_.sees_plane(box.right - 1, box.bottom - 1);
+    }
+    PixelReads::Bounds bounds(const PixelBox& box) const {
+        return reads_.bounds(box.left, box.top, box.right, box.bottom);
+    }
+
     /// The pages of a level that a block may read share its pixels evenly.
     void share_pixels(Block& block) {
         block.first_read = may_read_.size();
-        const PixelReads::Bounds bounds = reads_.bounds(block.left, block.top, block.right, block.bottom);
-        for (int level = bounds.finest; level <= bounds.coarsest; ++level) {
-            met_.clear();
-            reads_.add_pages(bounds.ground, level, met_);
-            for (const PageKey key : met_) {
-                Page& page = pages_[key];
-                page.pixels += static_cast<double>(block.pixels()) / static_cast<double>(met_.size());
-                may_read_.push_back(&page);
+        if (is_bounded(block.seen.box)) {
+            const PixelReads::Bounds may = bounds(block.seen.box);
+            for (int level = may.finest; level <= may.coarsest; ++level) {
+                met_.clear();
+                reads_.add_pages(may.ground, level, met_);
+                for (const PageKey key : met_) {
+                    Page& page = pages_[key];
+                    page.pixels += static_cast<double>(block.seen.pixels) / static_cast<double>(met_.size());
+                    may_read_.push_back(&page);
+                }
             }
+        } else {
+            may_read_.push_back(&unknown_);
         }
         block.reads = may_read_.size() - block.first_read;
     }
 
-    void look_at_middle(const Block& block) {
+    void look_at_one(const Block& block) { look_at_pixel(block.seen.x, block.seen.y); }
+
+    void look_at_pixel(int x, int y) {
+        if (!reads_.sees_plane(x, y)) return;
         met_.clear();
-        reads_.add_pages((block.left + block.right) / 2, (block.top + block.bottom) / 2, met_);
+        reads_.add_pages(x, y, met_);
         for (const PageKey page : met_) pages_[page].is_needed = true;
     }
 
-    void need_all(const Block& block) {
-        const PixelReads::Bounds bounds = reads_.bounds(block.left, block.top, block.right, block.bottom);
+    void need_all(const FlatPiece& piece, const PixelBox& box) {
+        if (!is_bounded(box)) {
+            for (int y = box.top; y < box.bottom; ++y)
+                for (int x = box.left; x < box.right; ++x)
+                    if (visibility_.seen(piece, {x, y, x + 1, y + 1}).pixels > 0) look_at_pixel(x, y);
+            return;
+        }
+        const PixelReads::Bounds may = bounds(box);
         met_.clear();
-        for (int level = bounds.finest; level <= bounds.coarsest; ++level)
-            reads_.add_pages(bounds.ground, level, met_);
+        for (int level = may.finest; level <= may.coarsest; ++level)
+            reads_.add_pages(may.ground, level, met_);
         for (const PageKey page : met_) pages_[page].is_needed = true;
     }
 
-    bool may_need_more(const Block& block) {
-        const PixelReads::Bounds bounds = reads_.bounds(block.left, block.top, block.right, block.bottom);
-        for (int level = bounds.finest; level <= bounds.coarsest; ++level) {
+    bool may_need_more(const PixelBox& box) {
+        if (!is_bounded(box)) return true;
+        const PixelReads::Bounds may = bounds(box);
+        for (int level = may.finest; level <= may.coarsest; ++level) {
             met_.clear();
-            reads_.add_pages(bounds.ground, level, met_);
+            reads_.add_pages(may.ground, level, met_);
             for (const PageKey page : met_) {
                 const auto found = pages_.find(page);
                 if (found == pages_.end() || !found->second.is_needed) return true;
@@ -107,28 +139,31 @@ class Blocks {
         return false;
     }
 
-    void look_closer(const Block& block) {
-        if (!may_need_more(block)) return;
-        if (block.pixels() <= least_pixels) {
-            need_all(block);
+    void look_closer(const FlatPiece& piece, const Seen& seen) {
+        if (seen.pixels == 0 || !may_need_more(seen.box)) return;
+        const PixelBox& box = seen.box;
+        if (box.pixels() <= least_pixels) {
+            need_all(piece, box);
             return;
         }
-        look_at_middle(block);
+        look_at_pixel(seen.x, seen.y);
         // Along the longer side, so that parts are nearly square
-        if (block.right - block.left >= block.bottom - block.top) {
-            const int middle = (block.left + block.right) / 2;
-            look_closer({.left = block.left, .top = block.top, .right = middle, .bottom = block.bottom});
-            look_closer({.left = middle, .top = block.top, .right = block.right, .bottom = block.bottom});
+        if (box.right - box.left >= box.bottom - box.top) {
+            const int middle = (box.left + box.right) / 2;
+            look_closer(piece, visibility_.seen(piece, {box.left, box.top, middle, box.bottom}));
+            look_closer(piece, visibility_.seen(piece, {middle, box.top, box.right, box.bottom}));
         } else {
-            const int middle = (block.top + block.bottom) / 2;
-            look_closer({.left = block.left, .top = block.top, .right = block.right, .bottom = middle});
-            look_closer({.left = block.left, .top = middle, .right = block.right, .bottom = block.bottom});
+            const int middle = (box.top + box.bottom) / 2;
+            look_closer(piece, visibility_.seen(piece, {box.left, box.top, box.right, middle}));
+            look_closer(piece, visibility_.seen(piece, {box.left, middle, box.right, box.bottom}));
         }
     }
 
     const PlaneView& view_;
+    PieceVisibility visibility_;
     PixelReads reads_;
     std::unordered_map<PageKey, Page> pages_;
+    Page unknown_;                 ///< Of blocks of which nothing can be said: never needed
     std::vector<Page*> may_read_;  ///< By the blocks, one after the other
     std::vector<PageKey> met_;
 };

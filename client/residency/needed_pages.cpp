@@ -64,10 +64,12 @@ class Walk {
                              -height * (tangent * f.z + sign * axis.z)};
         };
         // The outermost rays go through the middles of the outermost pixels
-        const double tangent_x = view.tangent_x() * (1 - 1.0 / view.width());
+        const auto across = [&](int column) {
+            return view.tangent_x() * ((2.0 * column + 1) / view.width() - 1);
+        };
         const double tangent_y = view.tangent_y() * (1 - 1.0 / view.height());
-        frustum_ = {side(r, 1, tangent_x), side(r, -1, tangent_x), side(u, 1, tangent_y),
-                    side(u, -1, tangent_y)};
+        frustum_ = {side(r, 1, -across(view.first_column())), side(r, -1, across(view.end_column() - 1)),
+                    side(u, 1, tangent_y), side(u, -1, tangent_y)};
     }
 
     std::vector<NeededPage> run() {
@@ -230,8 +232,9 @@ class Walk {
             return std::clamp(static_cast<int>(std::ceil(at)) + 1, 0, size);
         };
         for (int y = first(seen.top, view_.height()); y < end(seen.bottom, view_.height()); ++y) {
-            if (!reads_.sees_plane(y)) continue;
-            for (int x = first(seen.left, view_.width()); x < end(seen.right, view_.width()); ++x) {
+            for (int x = std::max(first(seen.left, view_.width()), view_.first_column());
+                 x < std::min(end(seen.right, view_.width()), view_.end_column()); ++x) {
+                if (!reads_.sees_plane(x, y)) continue;
                 read_.clear();
                 reads_.add_pages(x, y, read_);
                 if (std::ranges::find(read_, key) != read_.end()) return true;
@@ -255,7 +258,23 @@ class Walk {
 
 std::vector<NeededPage> needed_pages(const PlaneView& view, Extent extent, double lod_bias,
                                      const Sampling& sampling) {
-    if (sampling.kind == Sampling::Kind::isotropic || sampling.kind == Sampling::Kind::nearest_level)
+    if (const auto& split = view.split()) {
+        std::vector<NeededPage> pages = needed_pages(view.part(0, split->column), extent, lod_bias, sampling);
+        for (const NeededPage& page :
+             needed_pages(view.part(split->column, view.width()), extent, lod_bias, split->right)) {
+            const auto known = std::ranges::find(pages, page.key, &NeededPage::key);
+            if (known == pages.end())
+                pages.push_back(page);
+            else
+                known->pixels += page.pixels;
+        }
+        std::ranges::stable_sort(pages, std::ranges::greater{},
+                                 [](const NeededPage& page) { return page.key.level; });
+        return pages;
+    }
+    if (view.pieces().empty()) return {};
+    if (view.is_plane() &&
+        (sampling.kind == Sampling::Kind::isotropic || sampling.kind == Sampling::Kind::nearest_level))
         return Walk{view, extent, lod_bias, sampling}.run();
     return needed_by_footprints(view, extent, lod_bias, sampling);
 }

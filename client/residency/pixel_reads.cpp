@@ -34,7 +34,7 @@ bool is_apart(const Quadrilateral& corners, double left, double top, double side
 }  // namespace
 
 PixelReads::PixelReads(const PlaneView& view, Extent extent, double lod_bias, const Sampling& sampling)
-    : view_{view}, extent_{extent}, lod_bias_{lod_bias}, sampling_{sampling} {
+    : view_{view}, piece_{view.pieces().data()}, extent_{extent}, lod_bias_{lod_bias}, sampling_{sampling} {
     // Split, so that no double holds an absolute coordinate
     const PlanePoint& eye = view.camera().ground;
     for (int level = 0; level <= extent.n; ++level) {
@@ -46,31 +46,30 @@ PixelReads::PixelReads(const PlaneView& view, Extent extent, double lod_bias, co
     }
 }
 
-double PixelReads::fall_at(double y) const {
-    return -(view_.forward().z + (1 - 2 * y / view_.height()) * view_.tangent_y() * view_.up().z);
+/// w·p of the piece: more than 0 before its horizon.
+double PixelReads::nearness(double x, double y) const {
+    return piece_->w[0] * (x - view_.width() / 2.0) + piece_->w[1] * (y - view_.height() / 2.0) +
+           piece_->w[2];
 }
 
-/// Where a place of the picture lies, which near the horizon may be beyond it: as point_at of plane.frag.
-GroundPoint PixelReads::ground(double x, double y, double middle_y) const {
-    const double fall = std::max({fall_at(y), 0.3 * fall_at(middle_y), 1e-20});
-    const double across = (2 * x / view_.width() - 1) * view_.tangent_x();
-    const double upwards = (1 - 2 * y / view_.height()) * view_.tangent_y();
-    const double reach = view_.camera().height_texels / fall;
-    return {reach * (view_.forward().x + across * view_.right().x + upwards * view_.up().x),
-            reach * (view_.forward().y + across * view_.right().y + upwards * view_.up().y)};
+/// Where a place of the picture lies, which near the horizon may be beyond it: as point_at of the shaders.
+GroundPoint PixelReads::ground(double x, double y, double least_nearness) const {
+    const double px = x - view_.width() / 2.0, py = y - view_.height() / 2.0;
+    const double w = std::max(piece_->w[0] * px + piece_->w[1] * py + piece_->w[2], least_nearness);
+    return {(piece_->s[0] * px + piece_->s[1] * py + piece_->s[2]) / w,
+            (piece_->t[0] * px + piece_->t[1] * py + piece_->t[2]) / w};
 }
 
 PixelReads::Footprint PixelReads::footprint(double x, double y) const {
-    const double fall = fall_at(y);
-    const double across = (2 * x / view_.width() - 1) * view_.tangent_x();
-    const double upwards = (1 - 2 * y / view_.height()) * view_.tangent_y();
-    const GroundPoint ray{view_.forward().x + across * view_.right().x + upwards * view_.up().x,
-                          view_.forward().y + across * view_.right().y + upwards * view_.up().y};
-    const double scale = view_.camera().height_texels * view_.pixel_step() / fall;
+    const double w = nearness(x, y);
     Footprint made;
-    made.middle = (view_.camera().height_texels / fall) * ray;
-    made.dx = scale * GroundPoint{view_.right().x, view_.right().y};
-    made.dy = (scale / fall) * (fall * GroundPoint{view_.up().x, view_.up().y} + view_.up().z * ray);
+    made.middle = ground(x, y, 1e-300);
+    const auto side = [&](std::size_t axis) {
+        return (1 / w) * GroundPoint{piece_->s[axis] - made.middle.x * piece_->w[axis],
+                                     piece_->t[axis] - made.middle.y * piece_->w[axis]};
+    };
+    made.dx = side(0);
+    made.dy = side(1);
     const double dx = length(made.dx), dy = length(made.dy);
     made.longer = std::max(dx, dy);
     made.shorter = std::max(std::min(dx, dy), 1e-20);
@@ -181,9 +180,10 @@ void PixelReads::add_anisotropic(const Footprint& footprint, std::vector<PageKey
 }
 
 /// A pixel's square, or so much of it on each side of its middle.
-Quadrilateral PixelReads::pixel_corners(const Footprint&, double x, double y, double half) const {
-    return {ground(x - half, y - half, y), ground(x + half, y - half, y), ground(x + half, y + half, y),
-            ground(x - half, y + half, y)};
+Quadrilateral PixelReads::pixel_corners(double x, double y, double half) const {
+    const double least = std::max(0.3 * nearness(x, y), 1e-300);
+    return {ground(x - half, y - half, least), ground(x + half, y - half, least),
+            ground(x + half, y + half, least), ground(x - half, y + half, least)};
 }
 
 /// shaders/supersample.glsl
@@ -203,7 +203,7 @@ void PixelReads::add_supersampled(const Footprint& footprint, double x, double y
     if (all_serve) return;
     const double half = 0.5 - 0.5 / sampling_.subdivisions;
     for (int l = first; l <= last; ++l) {
-        Quadrilateral samples = pixel_corners(footprint, x, y, half);
+        Quadrilateral samples = pixel_corners(x, y, half);
         const GroundPoint middle = 0.25 * (samples[0] + samples[1] + samples[2] + samples[3]);
         const double grown = texel_margin * std::exp2(l);
         for (GroundPoint& corner : samples) {
@@ -226,7 +226,7 @@ double PixelReads::line_level(const Quadrilateral& corners) const {
 /// shaders/line_integral.glsl
 void PixelReads::add_line_integral(const Footprint& footprint, double x, double y,
                                    std::vector<PageKey>& pages) const {
-    Quadrilateral corners = pixel_corners(footprint, x, y, 0.5);
+    Quadrilateral corners = pixel_corners(x, y, 0.5);
     const double dx = length(footprint.dx), dy = length(footprint.dy);
     const GroundPoint grow_x = dx < 1 ? (0.5 / std::max(dx, 1e-6) - 0.5) * footprint.dx : GroundPoint{};
     const GroundPoint grow_y = dy < 1 ? (0.5 / std::max(dy, 1e-6) - 0.5) * footprint.dy : GroundPoint{};
@@ -278,86 +278,116 @@ void PixelReads::add_pages(int x, int y, std::vector<PageKey>& pages) const {
     for (int l = first; l <= last; ++l) add_page(here.middle, l, pages);
 }
 
-PixelReads::Bounds PixelReads::bounds(int left, int top, int right, int bottom) const {
+/// The levels that pixels between these read, unclamped.
+PixelReads::Range PixelReads::levels(int left, int top, int right, int bottom) const {
     const double first_x = left + 0.5, last_x = right - 0.5, first_y = top + 0.5, last_y = bottom - 0.5;
-    // A pixel's sides on the plane shrink downwards, and away from the picture's sides (PlaneView::level_at)
-    const double height = view_.camera().height_texels * view_.pixel_step();
-    const auto slope = [&](double x) {
-        return std::abs(2 * x / view_.width() - 1) * view_.tangent_x() * view_.up().z;
+    if (sampling_.kind == Sampling::Kind::line_integral)
+        return line_integral_levels(first_x, first_y, last_x, last_y);
+    // A pixel's side is |∂(s, t) − P·∂w| / w: w is linear in the pixel, and what is above it in the place P.
+    // So all are largest at corners, and what is above is nowhere less than in the middle but for a radius.
+    const double w[] = {nearness(first_x, first_y), nearness(last_x, first_y), nearness(last_x, last_y),
+                        nearness(first_x, last_y)};
+    const auto [far, near] = std::minmax({w[0], w[1], w[2], w[3]});
+    const GroundPoint corners[] = {ground(first_x, first_y, 1e-300), ground(last_x, first_y, 1e-300),
+                                   ground(last_x, last_y, 1e-300), ground(first_x, last_y, 1e-300)};
+    const auto above = [&](std::size_t axis) {
+        const auto at = [&](GroundPoint p) {
+            return GroundPoint{piece_->s[axis] - p.x * piece_->w[axis],
+                               piece_->t[axis] - p.y * piece_->w[axis]};
+        };
+        const GroundPoint at_corner[] = {at(corners[0]), at(corners[1]), at(corners[2]), at(corners[3])};
+        const GroundPoint middle = 0.25 * (at_corner[0] + at_corner[1] + at_corner[2] + at_corner[3]);
+        Range range;
+        double radius = 0;
+        for (const GroundPoint corner : at_corner) {
+            range.high = std::max(range.high, length(corner));
+            radius = std::max(radius, length(corner - middle));
+        }
+        range.low = std::max(length(middle) - radius, 0.0);
+        return range;
     };
-    const double middle = view_.width() / 2.0;
-    const double least_slope =
-        first_x < middle && last_x > middle ? 0 : std::min(slope(first_x), slope(last_x));
-    const double most_slope = std::max(slope(first_x), slope(last_x));
-    const double far = fall_at(first_y), near = fall_at(last_y);
-    const Range row{height / near, height / far};
-    const Range column{row.low * std::sqrt(1 + least_slope * least_slope) / near,
-                       row.high * std::sqrt(1 + most_slope * most_slope) / far};
-    const Range longer{std::max(row.low, column.low), std::max(row.high, column.high)};
-    const Range shorter{std::min(row.low, column.low), std::min(row.high, column.high)};
+    const Range over_x = above(0), over_y = above(1);
+    const Range row{over_x.low / near, over_x.high / far}, column{over_y.low / near, over_y.high / far};
+    const Range longer{std::max({row.low, column.low, 1e-300}), std::max(row.high, column.high)};
+    if (sampling_.kind == Sampling::Kind::anisotropic ||
+        sampling_.kind == Sampling::Kind::driver_anisotropic) {
+        const Range shorter{std::min(row.low, column.low), std::min(row.high, column.high)};
+        // Both of the same pixel: its w does not matter
+        const Range skew{over_y.low / std::max(over_x.high, 1e-300),
+                         over_y.high / std::max(over_x.low, 1e-300)};
+        const double least = skew.high < 1 ? 1 / skew.high : std::max(skew.low, 1.0),
+                     most = std::max(skew.high, 1 / std::max(skew.low, 1e-300));
+        const auto probes = [](double ratio) { return std::min(std::ceil(ratio), most_anisotropy); };
+        const double few = probes(least * (1 - ratio_margin)), many = probes(most * (1 + ratio_margin));
+        const double finest = std::max(longer.low / many, shorter.low * least / (least + 1)),
+                     coarsest = longer.high / few;
+        return {std::floor(std::log2(finest) + lod_bias_ - level_margin),
+                std::floor(std::log2(coarsest) + lod_bias_ + level_margin) + 1};
+    }
+    const bool one = sampling_.kind == Sampling::Kind::nearest_level;
+    const double bias = lod_bias_ - std::log2(sampling_.subdivisions) + (one ? 0.5 : 0);
+    return {std::floor(std::log2(longer.low) + bias - level_margin),
+            std::floor(std::log2(longer.high) + bias + level_margin) + (one ? 0 : 1)};
+}
 
-    Range levels;
-    switch (sampling_.kind) {
-        case Sampling::Kind::anisotropic:
-        case Sampling::Kind::driver_anisotropic: {
-            const Range skew{column.low / row.low, column.high / row.high};  // both of the same rows
-            const double least = skew.high < 1 ? 1 / skew.high : std::max(skew.low, 1.0),
-                         most = std::max(skew.high, 1 / skew.low);
-            const auto probes = [](double ratio) { return std::min(std::ceil(ratio), most_anisotropy); };
-            const double few = probes(least * (1 - ratio_margin)), many = probes(most * (1 + ratio_margin));
-            const double finest = std::max(longer.low / many, shorter.low * least / (least + 1)),
-                         coarsest = longer.high / few;
-            levels = {std::floor(std::log2(finest) + lod_bias_ - level_margin),
-                      std::floor(std::log2(coarsest) + lod_bias_ + level_margin) + 1};
-            break;
-        }
-        case Sampling::Kind::line_integral: {
-            // Boxes are narrowest where footprints lie along an axis, and are looked at in some places
-            levels = {1e9, -1e9};
-            const auto look = [&](double x, double y) {
-                Quadrilateral corners = pixel_corners({}, x, y, 0.5);
-                auto [low_x, high_x] = std::minmax({corners[0].x, corners[1].x, corners[2].x, corners[3].x});
-                auto [low_y, high_y] = std::minmax({corners[0].y, corners[1].y, corners[2].y, corners[3].y});
-                const double width = std::max(high_x - low_x, 0.7), tall = std::max(high_y - low_y, 0.7);
-                const double level =
-                    line_integral_level(std::min(width, tall), std::max(width, tall), sampling_.columns) +
-                    lod_bias_;
-                levels.low = std::min(levels.low, level);
-                levels.high = std::max(levels.high, level);
-            };
-            for (const double y : {first_y, (first_y + last_y) / 2, last_y}) {
-                for (const double x : {first_x, (first_x + last_x) / 2, last_x}) look(x, y);
-                const GroundPoint at_first = footprint(first_x, y).dy, at_last = footprint(last_x, y).dy;
-                if (at_first.x * at_last.x < 0)
-                    look(first_x + (last_x - first_x) * at_first.x / (at_first.x - at_last.x), y);
-                if (at_first.y * at_last.y < 0)
-                    look(first_x + (last_x - first_x) * at_first.y / (at_first.y - at_last.y), y);
-            }
-            const double margin = 0.25 * (levels.high - levels.low) + level_margin;
-            levels = {std::ceil(levels.low - margin), std::ceil(levels.high + margin)};
-            break;
-        }
-        default: {
-            const bool one = sampling_.kind == Sampling::Kind::nearest_level;
-            const double bias = lod_bias_ - std::log2(sampling_.subdivisions) + (one ? 0.5 : 0);
-            levels = {std::floor(std::log2(longer.low) + bias - level_margin),
-                      std::floor(std::log2(longer.high) + bias + level_margin) + (one ? 0 : 1)};
-        }
+/// Boxes are narrowest where footprints lie along an axis, and are looked at in some places.
+PixelReads::Range PixelReads::line_integral_levels(double first_x, double first_y, double last_x,
+                                                   double last_y) const {
+    Range levels{1e9, -1e9};
+    const auto look = [&](double x, double y) {
+        Quadrilateral corners = pixel_corners(x, y, 0.5);
+        auto [low_x, high_x] = std::minmax({corners[0].x, corners[1].x, corners[2].x, corners[3].x});
+        auto [low_y, high_y] = std::minmax({corners[0].y, corners[1].y, corners[2].y, corners[3].y});
+        const double width = std::max(high_x - low_x, 0.7), tall = std::max(high_y - low_y, 0.7);
+        const double level =
+            line_integral_level(std::min(width, tall), std::max(width, tall), sampling_.columns) + lod_bias_;
+        levels.low = std::min(levels.low, level);
+        levels.high = std::max(levels.high, level);
+    };
+    for (const double y : {first_y, (first_y + last_y) / 2, last_y}) {
+        for (const double x : {first_x, (first_x + last_x) / 2, last_x}) look(x, y);
+        const GroundPoint at_first = footprint(first_x, y).dy, at_last = footprint(last_x, y).dy;
+        if (at_first.x * at_last.x < 0)
+            look(first_x + (last_x - first_x) * at_first.x / (at_first.x - at_last.x), y);
+        if (at_first.y * at_last.y < 0)
+            look(first_x + (last_x - first_x) * at_first.y / (at_first.y - at_last.y), y);
     }
-    // Probes lie along straight sides, which near the horizon reach further down than the pixel does
-    const double bend = std::min(view_.pixel_step() * view_.up().z / near, 2.0);
-    const double below = last_y + std::max(0.5, 0.44 / (1 - 0.44 * bend));
-    const double grown = texel_margin * std::exp2(clamped(levels.high)) + 0.5;
-    Bounds found{clamped(levels.low),
-                 clamped(levels.high),
-                 {ground(left, top, first_y), ground(right, top, first_y), ground(right, below, last_y),
-                  ground(left, below, last_y)}};
-    const GroundPoint centre = 0.25 * (found.ground[0] + found.ground[1] + found.ground[2] + found.ground[3]);
-    for (GroundPoint& corner : found.ground) {
-        const GroundPoint away = corner - centre;
-        corner = corner + (2 * grown / std::max(length(away), 1e-20)) * away;
+    const double margin = 0.25 * (levels.high - levels.low) + level_margin;
+    return {std::ceil(levels.low - margin), std::ceil(levels.high + margin)};
+}
+
+PixelReads::Bounds PixelReads::bounds(int left, int top, int right, int bottom) const {
+    const Range found = levels(left, top, right, bottom);
+    // Probes lie along straight sides, which towards the eye reach further than the pixel does
+    const auto beyond = [&](double x, double y, double slope) {
+        const double bend = std::min(slope / nearness(x, y), 2.0);
+        return bend > 0 ? std::max(0.5, 0.44 / (1 - 0.44 * bend)) : 0.5;
+    };
+    const double first_x = left + 0.5, last_x = right - 0.5, first_y = top + 0.5, last_y = bottom - 0.5;
+    const double slope_x = piece_->w[0], slope_y = piece_->w[1];
+    const double before_x = first_x -
+                            std::max(beyond(first_x, first_y, -slope_x), beyond(first_x, last_y, -slope_x)),
+                 after_x =
+                     last_x + std::max(beyond(last_x, first_y, slope_x), beyond(last_x, last_y, slope_x)),
+                 before_y = first_y -
+                            std::max(beyond(first_x, first_y, -slope_y), beyond(last_x, first_y, -slope_y)),
+                 after_y =
+                     last_y + std::max(beyond(first_x, last_y, slope_y), beyond(last_x, last_y, slope_y));
+    const auto corner = [&](double x, double y, double middle_x, double middle_y) {
+        return ground(x, y, std::max(0.3 * nearness(middle_x, middle_y), 1e-300));
+    };
+    Bounds bounds{clamped(found.low),
+                  clamped(found.high),
+                  {corner(before_x, before_y, first_x, first_y), corner(after_x, before_y, last_x, first_y),
+                   corner(after_x, after_y, last_x, last_y), corner(before_x, after_y, first_x, last_y)}};
+    const double grown = texel_margin * std::exp2(bounds.coarsest) + 0.5;
+    const GroundPoint centre =
+        0.25 * (bounds.ground[0] + bounds.ground[1] + bounds.ground[2] + bounds.ground[3]);
+    for (GroundPoint& point : bounds.ground) {
+        const GroundPoint away = point - centre;
+        point = point + (2 * grown / std::max(length(away), 1e-20)) * away;
     }
-    return found;
+    return bounds;
 }
 
 }  // namespace tessera

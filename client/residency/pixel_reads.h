@@ -11,20 +11,24 @@ namespace tessera {
 
 using Quadrilateral = std::array<GroundPoint, 4>;  ///< Convex, its corners in order.
 
-/// Which pages the shaders read for a pixel, by their own formulas (client/render/shaders), in doubles. Where
-/// a float might fall on the other side of a border, both sides count.
+/// Which pages the shaders read for a pixel of a flat piece, by their own formulas (client/render/shaders),
+/// in doubles. Where a float might fall on the other side of a border, both sides count.
 class PixelReads {
   public:
-    /// The clip centre of `view` lies inside the extent. `view` outlives this.
+    /// The clip centre of `view` lies inside the extent. `view` outlives this. Of its first piece, at first.
     PixelReads(const PlaneView& view, Extent extent, double lod_bias, const Sampling& sampling);
 
-    /// The pixel's middle sees the plane, below the horizon.
-    bool sees_plane(int y) const { return fall_at(y + 0.5) > 0; }
+    /// From now on, of this piece, which outlives that.
+    void look_at(const FlatPiece& piece) { piece_ = &piece; }
 
-    /// Adds the pages that pixel (x, y) reads, some perhaps twice; its row sees the plane.
+    /// The pixel's middle sees the piece's plane, before its horizon.
+    bool sees_plane(int x, int y) const { return nearness(x + 0.5, y + 0.5) > 0; }
+
+    /// Adds the pages that pixel (x, y) reads, some perhaps twice; it sees the piece's plane.
     void add_pages(int x, int y, std::vector<PageKey>& pages) const;
 
-    /// What pixels in [left, right) × [top, bottom) may read, at most a bit too much; all rows see the plane.
+    /// What pixels in [left, right) × [top, bottom) may read, at most a bit too much; all see the piece's
+    /// plane.
     struct Bounds {
         int finest = 0;  ///< Levels, clamped to the extent's
         int coarsest = 0;
@@ -43,10 +47,12 @@ class PixelReads {
         GroundPoint middle, dx, dy;
         double longer = 0, shorter = 0;
     };
-    double fall_at(double y) const;
-    GroundPoint ground(double x, double y, double middle_y) const;
+    double nearness(double x, double y) const;
+    GroundPoint ground(double x, double y, double least_nearness) const;
     Footprint footprint(double x, double y) const;
-    Quadrilateral pixel_corners(const Footprint& footprint, double x, double y, double half) const;
+    Quadrilateral pixel_corners(double x, double y, double half) const;
+    Range levels(int left, int top, int right, int bottom) const;
+    Range line_integral_levels(double first_x, double first_y, double last_x, double last_y) const;
     double line_level(const Quadrilateral& corners) const;
     void add_page(GroundPoint at, int level, std::vector<PageKey>& pages) const;
     bool is_around(GroundPoint at, GroundPoint reach, int level, bool* surely) const;
@@ -63,6 +69,7 @@ class PixelReads {
         double within_x = 0, within_y = 0;
     };
     const PlaneView& view_;
+    const FlatPiece* piece_;
     Extent extent_;
     double lod_bias_;
     Sampling sampling_;

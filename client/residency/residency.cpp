@@ -21,7 +21,8 @@ Residency::Residency(Extent extent, PageSource& source, const ResidencySettings&
       settings_{settings},
       table_{extent, settings.window_side},
       cache_{settings.slots},
-      requests_{source, settings.requests} {}
+      requests_{source, settings.requests},
+      stand_ins_{source, settings.stand_ins} {}
 
 ResidencyFrame Residency::update(const PlaneView& view, FrameTime time, const Sampling& sampling) {
     const PlanePoint& centre = view.camera().ground;
@@ -29,12 +30,15 @@ ResidencyFrame Residency::update(const PlaneView& view, FrameTime time, const Sa
     cache_.begin_frame();
     motion_.observe(view.camera(), time.now);
 
-    const std::vector<NeededPage> needed = need(view, sampling);
+    std::vector<NeededPage> needed = need(view, sampling);
     mark_used(needed);
     hear_news();
     ResidencyFrame frame;
     frame.uploads = place_arrivals(time);
     watch(needed);
+    frame.ended_holds = end_holds(needed, time, frame.uploads);
+    for (SlotUpload& upload : stand_ins_.update(needed, holds_.holds(), cache_, versions_, time.step, table_))
+        frame.uploads.push_back(std::move(upload));
     requests_.want(wanted(view, needed, time, sampling), time.now);
 
     frame.lod_bias = lod_bias_;
@@ -56,6 +60,7 @@ ResidencyFrame Residency::update(const PlaneView& view, FrameTime time, const Sa
         frame.resident_share = sharp / pixels;
         frame.mip_deficit = deficit / pixels;
     }
+    frame.sampled = std::move(needed);
     return frame;
 }
 
@@ -94,10 +99,13 @@ void Residency::mark_used(const std::vector<NeededPage>& needed) {
     for (const NeededPage& page : needed) {
         const auto shown = table_.shown_for(page.key);
         if (!shown) continue;
+        PageKey at = page.key;
+        while (at.level < shown->level) at = parent(at);
+        const Slot slot = cache_.find(at).value();  // not a stand-in's
         if (shown->level == page.key.level)
-            cache_.use(shown->slot);
+            cache_.use(slot);
         else
-            cache_.touch(shown->slot);
+            cache_.touch(slot);
     }
 }
 
@@ -122,15 +130,40 @@ std::vector<SlotUpload> Residency::place_arrivals(const FrameTime& time) {
          requests_.take_arrived(settings_.uploads_per_frame - arrived.size(), time.now, &without))
         arrived.push_back(std::move(page));
     for (const PageKey page : without) versions_.forget_expected(page);
+    stand_ins_.hear(requests_.take_others());
     std::vector<SlotUpload> uploads;
     for (ArrivedPage& page : arrived)
         if (auto upload = place(std::move(page), time)) uploads.push_back(std::move(*upload));
     return uploads;
 }
 
+/// Whether what is shown of a page has all that edits up to a revision changed of it.
+bool Residency::is_settled(PageKey page, std::uint64_t revision) const {
+    if (requests_.is_given_up(page)) return true;
+    const auto shown = table_.shown_for(page);
+    while (shown && page.level < shown->level) page = parent(page);
+    return versions_.has_seen(page, revision);
+}
+
+/// All pages of a change that was made come in one frame, the one in which nobody draws it over them any
+/// more.
+std::vector<std::uint32_t> Residency::end_holds(const std::vector<NeededPage>& needed, const FrameTime& time,
+                                                std::vector<SlotUpload>& uploads) {
+    if (holds_.empty()) return {};
+    std::vector<std::uint32_t> ended = holds_.end_complete(
+        needed, [&](PageKey page, std::uint64_t revision) { return is_settled(page, revision); });
+    for (ArrivedPage& page : holds_.take_free())
+        if (auto upload = place(std::move(page), time)) uploads.push_back(std::move(*upload));
+    return ended;
+}
+
 std::optional<SlotUpload> Residency::place(ArrivedPage arrived, const FrameTime& time) {
     const PageKey page = arrived.page;
     if (!extent_.contains(page)) return std::nullopt;
+    if (!arrived.unchanged && holds_.keeps(page, arrived.version)) {
+        holds_.keep(std::move(arrived));
+        return std::nullopt;
+    }
     if (arrived.unchanged) {
         versions_.confirm(page, arrived.version);
         versions_.forget_expected(page);
@@ -168,6 +201,7 @@ std::vector<WantedPage> Residency::wanted(const PlaneView& view, const std::vect
                                           const FrameTime& time, const Sampling& sampling) {
     // Whether a page's texels for a step are here already, of the newest version that is known
     const auto waits = [&](PageKey page, Step step) {
+        if (is_kept(page, step)) return true;
         return std::ranges::any_of(early_, [&](const ArrivedPage& early) {
             return early.page == page && early.version.validity.holds(step) &&
                    early.version.scene_revision >= versions_.least_revision(page);
@@ -179,8 +213,7 @@ std::vector<WantedPage> Residency::wanted(const PlaneView& view, const std::vect
     const ClientTime ahead = (window.round_trip() + window.frame_time()) * 3 / 2;
     wants.add(needed, 1, true);
     if (const auto camera = settings_.prefetch ? motion_.in(ahead, extent_) : std::nullopt) {
-        std::vector<NeededPage> soon =
-            needed_pages(PlaneView{*camera, view.width(), view.height()}, extent_, lod_bias_, sampling);
+        std::vector<NeededPage> soon = needed_pages(view.from(*camera), extent_, lod_bias_, sampling);
         std::erase_if(soon, [&](const NeededPage& page) { return !table_.in_window(page.key); });
         // Only as long as they do not push out what is seen now
         const auto others =
@@ -209,7 +242,17 @@ std::vector<WantedPage> Residency::wanted(const PlaneView& view, const std::vect
                 wants.add_next(page.key, page.pixels, held->validity.until);
         }
     }
-    return wants.take(requests_.room());
+    std::vector<WantedPage> pages = wants.take(requests_.room());
+    if (!holds_.empty())
+        std::erase_if(pages, [&](const WantedPage& want) { return is_kept(want.page, want.step); });
+    return pages;
+}
+
+/// Whether the newest version of a page that is known is here, and waits for others.
+bool Residency::is_kept(PageKey page, Step step) const {
+    const ArrivedPage* kept = holds_.kept(page);
+    return kept && kept->version.validity.holds(step) && kept->version.history == versions_.history() &&
+           kept->version.scene_revision >= versions_.least_revision(page);
 }
 
 /// Pages that leave what is watched have seen what was told so far; of those that come into it, what was not.
@@ -225,6 +268,7 @@ void Residency::watch(const std::vector<NeededPage>& needed) {
 std::size_t Residency::cache_slots(std::size_t slots) const { return std::max(slots, 2 * pinned_room()); }
 
 SlotCache::Resized Residency::resize(std::size_t slots) {
+    stand_ins_.clear(cache_, table_);
     SlotCache::Resized resized = cache_.resize(cache_slots(slots));
     for (const PageKey page : resized.dropped) {
         table_.hide(page);

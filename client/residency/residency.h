@@ -8,10 +8,13 @@
 
 #include "client/residency/camera_motion.h"
 #include "client/residency/needed_pages.h"
+#include "client/residency/page_holds.h"
 #include "client/residency/page_requests.h"
 #include "client/residency/page_table.h"
 #include "client/residency/page_versions.h"
 #include "client/residency/slot_cache.h"
+#include "client/residency/slot_upload.h"
+#include "client/residency/stand_ins.h"
 #include "client/residency/watched_windows.h"
 
 namespace tessera {
@@ -29,6 +32,8 @@ struct ResidencySettings {
     std::size_t uploads_per_frame = 8;
     /// Pages are asked for before they are seen, where the camera is going; false: only once they are.
     bool prefetch = true;
+    /// Slots behind those of the cache, for pages without what a hand has lifted (StandIns).
+    std::size_t stand_ins = 24;
     RequestLimits requests{};
 };
 
@@ -44,13 +49,6 @@ struct FrameTime {
     double steps_per_second;  ///< 0 while the animation rests.
 };
 
-/// Texels to put into a slot, before the next picture is drawn.
-struct SlotUpload {
-    Slot slot = 0;
-    PageKey page;
-    std::string texels;  ///< slot_bytes; see ArrivedPage
-};
-
 /// One frame's outcome.
 struct ResidencyFrame {
     std::vector<SlotUpload> uploads;
@@ -60,6 +58,8 @@ struct ResidencyFrame {
     std::size_t stale = 0;      ///< Of these, resident, with a newer version to be had.
     double resident_share = 1;  ///< Of the pixels that see the plane, those that are sharp: 0 to 1.
     double mip_deficit = 0;     ///< Levels missing, averaged over the pixels that see the plane.
+    std::vector<NeededPage> sampled{};  ///< All `needed`, those included that are missing.
+    std::vector<std::uint32_t> ended_holds{};  ///< From this frame on the pages show these changes.
     bool is_sharp() const { return missing == 0; }
     bool is_current() const { return missing == 0 && stale == 0; }
 };
@@ -72,6 +72,13 @@ class Residency {
 
     /// For the pages that `sampling` reads. The clip centre of `view` lies inside the extent.
     ResidencyFrame update(const PlaneView& view, FrameTime time, const Sampling& sampling = {});
+
+    /// Changes that are drawn over the pages from the next update() on, until they say that a hold has ended,
+    /// or the caller leaves it out.
+    void hold(std::vector<PageHold> holds) { holds_.set(std::move(holds)); }
+
+    /// Of each frame from now on, at least 1: see ResidencySettings.
+    void set_uploads_per_frame(std::size_t most) { settings_.uploads_per_frame = most; }
 
     /// From now on the cache has so many slots (at least the pinned pages' and as many again). Pages that
     /// stay keep their slots but for `moves`, which the caller carries over before the next picture.
@@ -86,6 +93,8 @@ class Residency {
     const PageVersions& versions() const { return versions_; }
     const ResidencySettings& settings() const { return settings_; }
     Extent extent() const { return extent_; }
+    /// Of the cache and of stand-ins.
+    std::size_t slots() const { return cache_.capacity() + stand_ins_.most(); }
 
   private:
     std::size_t pinned_room() const;
@@ -94,6 +103,10 @@ class Residency {
     void mark_used(const std::vector<NeededPage>& needed);
     void hear_news();
     std::vector<SlotUpload> place_arrivals(const FrameTime& time);
+    std::vector<std::uint32_t> end_holds(const std::vector<NeededPage>& needed, const FrameTime& time,
+                                         std::vector<SlotUpload>& uploads);
+    bool is_settled(PageKey page, std::uint64_t revision) const;
+    bool is_kept(PageKey page, Step step) const;
     std::optional<SlotUpload> place(ArrivedPage arrived, const FrameTime& time);
     std::vector<WantedPage> wanted(const PlaneView& view, const std::vector<NeededPage>& needed,
                                    const FrameTime& time, const Sampling& sampling);
@@ -108,6 +121,8 @@ class Residency {
     PageVersions versions_;
     CameraMotion motion_;
     std::vector<ArrivedPage> early_;  ///< Whose steps are yet to come
+    PageHolds holds_;
+    StandIns stand_ins_;
     WatchedWindows watched_;
     double lod_bias_ = 0;
 };

@@ -9,10 +9,11 @@ namespace tessera {
 /// current context.
 class FramePainter {
   public:
-    /// `scene` outlives this.
-    explicit FramePainter(PlaneScene& scene) : scene_{scene} {}
+    /// Both outlive this. `second`: of a source with another accuracy, for frames whose split says so; null:
+    /// such frames show the first on both sides.
+    explicit FramePainter(PlaneScene& scene, PlaneScene* second = nullptr) : scene_{scene}, second_{second} {}
 
-    /// Decides what is resident for the frame, and brings what came to the GPU.
+    /// Decides what is resident for the frame, and brings what came to the GPU; of both parts of a split one.
     ResidencyFrame update(const ViewFrame& frame);
     /// Draws the frame of the last update(). Error: io_failure (the driver refuses the filter's shader, or
     /// has no room); nothing is drawn then.
@@ -20,9 +21,12 @@ class FramePainter {
 
     const PlaneScene& scene() const { return scene_; }
     PlaneScene& scene() { return scene_; }
+    PlaneScene* second() { return second_; }
+    const PlaneScene* second() const { return second_; }
 
   private:
     PlaneScene& scene_;
+    PlaneScene* second_;
 };
 
 }  // namespace tessera

@@ -32,8 +32,9 @@ std::string hash_of(const Rgba8Image& image) {
 /// One run: the frames one after the other, and what they cost.
 class Run {
   public:
-    Run(const HeadlessJob& job, PlaneScene& scene, const std::function<void(std::chrono::milliseconds)>& wait)
-        : job_{job}, painter_{scene}, wait_{wait}, target_{job.width, job.height} {}
+    Run(const HeadlessJob& job, FramePainter painter,
+        const std::function<void(std::chrono::milliseconds)>& wait)
+        : job_{job}, painter_{painter}, wait_{wait}, target_{job.width, job.height} {}
 
     Result<view::RunMetrics> all_frames() {
         begin_ = Clock::now();
@@ -62,7 +63,10 @@ class Run {
                 .height = job_.height,
                 .time = now(),
                 .filter = job_.filter,
-                .fade_ms = job_.settle ? 0.0F : 150.0F};
+                .fade_ms = job_.settle ? 0.0F : 150.0F,
+                .overlay = job_.overlay,
+                .surface = job_.surface,
+                .split = job_.split};
     }
 
     ResidencyFrame update(ViewFrame& shown, view::FrameMetrics& frame) {
@@ -169,13 +173,13 @@ class Run {
 
 }  // namespace
 
-Result<view::RunMetrics> run_headless(const HeadlessJob& job, PlaneScene& scene,
+Result<view::RunMetrics> run_headless(const HeadlessJob& job, FramePainter painter,
                                       const std::function<void(std::chrono::milliseconds)>& wait) {
     std::error_code failed;
     std::filesystem::create_directories(job.folder, failed);
     if (failed)
         return Error{ErrorCode::io_failure, job.folder.string() + ": cannot be made: " + failed.message()};
-    return Run{job, scene, wait}.all_frames();
+    return Run{job, painter, wait}.all_frames();
 }
 
 Result<void> write_metrics(const HeadlessJob& job, const view::RunMetrics& metrics) {

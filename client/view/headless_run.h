@@ -6,6 +6,7 @@
 
 #include "client/render/plane_scene.h"
 #include "client/view/camera_path.h"
+#include "client/view/frame_painter.h"
 #include "client/view/view.pb.h"
 
 namespace tessera {
@@ -17,6 +18,9 @@ struct HeadlessJob {
     int height = 700;
     bool settle = true;  ///< Each frame waits until every page it needs is there.
     FilterChoice filter{};
+    Surface surface{};
+    Overlay overlay = Overlay::none;
+    std::optional<SplitChoice> split{};
     std::filesystem::path folder;
     std::chrono::milliseconds patience{60'000};  ///< Without any page arriving, before a frame gives up.
 };
@@ -24,7 +28,7 @@ struct HeadlessJob {
 /// Draws the frames of a camera path, and writes frame_0000.png … and metrics.json into the job's folder,
 /// which is made if need be. Needs a current context. `wait` waits for the source's next arrival, at most so
 /// long. Error: io_failure (cannot write; the pages do not come).
-Result<view::RunMetrics> run_headless(const HeadlessJob& job, PlaneScene& scene,
+Result<view::RunMetrics> run_headless(const HeadlessJob& job, FramePainter painter,
                                       const std::function<void(std::chrono::milliseconds)>& wait);
 
 /// Writes metrics.json into the job's folder.

@@ -15,9 +15,10 @@ PageClientSettings client_settings(std::size_t connections) {
 }  // namespace
 
 HttpPageSource::HttpPageSource(const ServerAddress& server, const SceneInfo& scene, ChannelSet channels,
-                               std::size_t connections)
+                               std::size_t connections, Accuracy accuracy)
     : client_{server, scene, client_settings(connections)},
-      options_{.format = PageFormat::rgba, .gutter = gutter_texels, .channels = channels} {}
+      options_{
+          .format = PageFormat::rgba, .gutter = gutter_texels, .accuracy = accuracy, .channels = channels} {}
 
 bool HttpPageSource::request(const PageRequest& request) {
     const auto id = client_.request(request.page, options_);

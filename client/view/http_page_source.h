@@ -13,7 +13,7 @@ class HttpPageSource final : public ViewSource {
   public:
     /// `scene` has these channels, and gives raw pages with a gutter of gutter_texels; see check_scene().
     HttpPageSource(const ServerAddress& server, const SceneInfo& scene, ChannelSet channels,
-                   std::size_t connections);
+                   std::size_t connections, Accuracy accuracy = Accuracy::high);
 
     bool request(const PageRequest& request) override;
     void cancel(PageRequestId id) override;

@@ -9,6 +9,7 @@
 #include "client/view/compare_filters.h"
 #include "client/view/compare_report.h"
 #include "client/view/headless_run.h"
+#include "client/view/height_image_file.h"
 #include "client/view/http_page_source.h"
 #include "client/view/options.h"
 #include "client/view/stream_page_source.h"
@@ -30,21 +31,42 @@ Result<CameraPath> camera_path(const Options& options, Extent extent) {
     return CameraPath::read(options.camera, extent);
 }
 
+/// As the options say; a corridor stands around the first camera.
+Result<Surface> surface_of(const Options& options, const Camera& first) {
+    Surface surface = options.surface;
+    if (!options.terrain.empty()) {
+        auto heights = read_height_image(options.terrain);
+        if (!heights) return heights.error();
+        surface.heights = std::move(*heights);
+    }
+    return around(surface, first);
+}
+
 Result<void> draw_headless(const Options& options, const SceneInfo& info, const CameraPath& path,
-                           ViewSource& source) {
+                           const Surface& surface, ViewSource& source, ViewSource* second_source) {
     const auto context = make_headless_context();
     if (!context) return context.error();
     if (const auto checked = check_gl_version(); !checked) return checked.error();
     auto scene = PlaneScene::make(info.extent, source, residency_settings(options));
     if (!scene) return scene.error();
+    std::unique_ptr<PlaneScene> second;
+    if (second_source) {
+        auto made = PlaneScene::make(info.extent, *second_source, residency_settings(options));
+        if (!made) return made.error();
+        second = std::move(*made);
+    }
     const HeadlessJob job{.path = path,
                           .frames = options.frames,
                           .width = options.width,
                           .height = options.height,
                           .settle = options.settle,
                           .filter = options.filter,
+                          .surface = surface,
+                          .overlay = options.overlay,
+                          .split = split_of(options),
                           .folder = options.output};
-    auto metrics = run_headless(job, **scene, [&](auto timeout) { source.wait(timeout); });
+    auto metrics =
+        run_headless(job, FramePainter{**scene, second.get()}, [&](auto timeout) { source.wait(timeout); });
     if (!metrics) {
         const std::string trouble = source.state().trouble;
         return trouble.empty() ? metrics.error()
@@ -87,6 +109,15 @@ Result<void> compare(const Options& options) {
     return {};
 }
 
+std::unique_ptr<ViewSource> make_source(const Options& options, const ServerAddress& server,
+                                        const SceneInfo& info, Accuracy accuracy) {
+    if (options.http)
+        return std::make_unique<HttpPageSource>(server, info, options.channels,
+                                                std::min<std::size_t>(options.in_flight, 8), accuracy);
+    return std::make_unique<StreamPageSource>(server, info, options.channels, options.name, std::string{},
+                                              accuracy);
+}
+
 Result<void> run(const Options& options) {
     if (options.compare_filters) return compare(options);
     const auto server = parse_server_address(options.url);
@@ -97,13 +128,12 @@ Result<void> run(const Options& options) {
     if (const auto there = check_channels(*info, options.channels); !there) return there.error();
     const auto path = camera_path(options, info->extent);
     if (!path) return path.error();
-    std::unique_ptr<ViewSource> source;
-    if (options.http)
-        source = std::make_unique<HttpPageSource>(*server, *info, options.channels,
-                                                  std::min<std::size_t>(options.in_flight, 8));
-    else
-        source = std::make_unique<StreamPageSource>(*server, *info, options.channels, options.name);
-    if (options.headless) return draw_headless(options, *info, *path, *source);
+    const auto surface = surface_of(options, path->at(path->begin_seconds()));
+    if (!surface) return surface.error();
+    const auto source = make_source(options, *server, *info, options.accuracy);
+    std::unique_ptr<ViewSource> second;
+    if (options.split_accuracy) second = make_source(options, *server, *info, *options.split_accuracy);
+    if (options.headless) return draw_headless(options, *info, *path, *surface, *source, second.get());
     return run_window(options, *info, *server, path->at(path->begin_seconds()), *source);
 }
 

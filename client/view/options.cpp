@@ -48,6 +48,14 @@ std::string check_compare(const Options& options) {
 
 }  // namespace
 
+std::optional<SplitChoice> split_of(const Options& options) {
+    if (!options.split_filter && !options.split_accuracy) return std::nullopt;
+    SplitChoice split{
+        .at = options.split_at, .filter = options.filter, .is_second = options.split_accuracy.has_value()};
+    if (options.split_filter) split.filter.filter = *options.split_filter;
+    return split;
+}
+
 bool read_options(int argc, const char* const* argv, Options& options, int& exit_code) {
     CLI::App app{
         "Flies over a virtual texture of a Tessera server: a plane seen in perspective under a free camera."};
@@ -92,6 +100,37 @@ bool read_options(int argc, const char* const* argv, Options& options, int& exit
     app.add_option("--subsamples", options.filter.subsamples, "Of supersampling: N, for N×N samples a pixel")
         ->check(CLI::Range(2, max_subsamples))
         ->capture_default_str();
+    std::string view{"plane"}, overlay{name_of(options.overlay)}, accuracy{name_of(options.accuracy)}, split;
+    app.add_option("--view", view, "What the texture lies on; V in the window switches")
+        ->check(CLI::IsMember({"plane", "terrain", "corridor"}))
+        ->capture_default_str();
+    app.add_option(
+        "--terrain", options.terrain,
+        "Heights for --view terrain: a grey PNG, 8 or 16 bits, one pixel each 256 texels, that repeats "
+        "mirrored; without it, hills are made");
+    app.add_option("--relief", options.surface.relief,
+                   "Of a terrain: heights times this; at 1, a code of 8 bits in the PNG is a texel")
+        ->check(CLI::Range(0.0, 1000.0))
+        ->capture_default_str();
+    app.add_option(
+           "--overlay", overlay,
+           "Page borders coloured by level, or pages tinted by age (how long shown) or by revision (how "
+           "lately edited); B in the window switches")
+        ->check(CLI::IsMember({"none", "level", "age", "revision"}))
+        ->capture_default_str();
+    app.add_option("--accuracy", accuracy, "Of the pages: fast, high or exact")
+        ->check(CLI::IsMember({"fast", "high", "exact"}))
+        ->capture_default_str();
+    std::vector<std::string> splits = filter_names;
+    for (const Accuracy known : accuracies) splits.emplace_back(name_of(known));
+    app.add_option("--split", split,
+                   "Side by side: the right half with this filter, or with pages of this accuracy; X in the "
+                   "window switches")
+        ->check(CLI::IsMember(splits));
+    app.add_option("--split-at", options.split_at,
+                   "Where the line between the halves is: a share of the width")
+        ->check(CLI::Range(0.0, 1.0))
+        ->capture_default_str();
     app.add_flag("--compare-filters", options.compare_filters,
                  "Draw three situations with every filter, compare with the true area integrals, and write "
                  "report.json "
@@ -111,6 +150,8 @@ bool read_options(int argc, const char* const* argv, Options& options, int& exit
                 throw CLI::ValidationError{wrong};
         if (const std::string wrong = check_compare(options); !wrong.empty())
             throw CLI::ValidationError{wrong};
+        if (!options.terrain.empty() && view != "terrain")
+            throw CLI::ValidationError{"--terrain is for --view terrain"};
         if (options.headless && options.output.empty())
             throw CLI::ValidationError{"--headless needs -o FOLDER, where the frames go"};
     } catch (const CLI::ParseError& error) {
@@ -119,6 +160,11 @@ bool read_options(int argc, const char* const* argv, Options& options, int& exit
     }
     options.channels = *channel_set_named(channels);
     options.filter.filter = *filter_named(filter);
+    options.surface.kind = surface_named(view).value();
+    options.overlay = overlay_named(overlay).value();
+    options.accuracy = accuracy_named(accuracy).value();
+    options.split_filter = filter_named(split);
+    options.split_accuracy = accuracy_named(split);
     if (options.width == 0) options.width = options.headless ? 800 : 1280;
     if (options.height == 0) options.height = options.headless ? 700 : 800;
     for (int i = 0; i < argc; ++i) options.command_line += std::string{i == 0 ? "" : " "} + argv[i];

@@ -2,9 +2,14 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "client/render/filter.h"
+#include "client/render/overlay.h"
+#include "client/residency/surface.h"
+#include "client/view/view_frame.h"
+#include "shared/page/accuracy.h"
 #include "shared/page/channel_set.h"
 
 namespace tessera {
@@ -23,6 +28,13 @@ struct Options {
     int frames = 0;                ///< Frames to draw; 0: one, or until the window is closed
     bool headless = false;
     FilterChoice filter{};
+    Accuracy accuracy = Accuracy::high;  ///< Of the pages
+    Surface surface{};                   ///< But for what is read from `terrain`
+    std::filesystem::path terrain;       ///< A grey PNG of heights; empty: made ones
+    Overlay overlay = Overlay::none;
+    std::optional<Filter> split_filter;      ///< The right half is drawn so,
+    std::optional<Accuracy> split_accuracy;  ///< or has pages of this accuracy.
+    double split_at = 0.5;
     bool compare_filters = false;
     std::filesystem::path textures;  ///< Folder of compare_filters; empty: a built-in checker
     std::string command_line;
@@ -30,6 +42,9 @@ struct Options {
     std::size_t cache_pages = 512;  ///< See ResidencySettings::slots
     std::size_t in_flight = 12;     ///< See RequestLimits::in_flight
 };
+
+/// The right half of the picture, where the options ask for one.
+std::optional<SplitChoice> split_of(const Options& options);
 
 /// Reads the command line. Returns false after it has printed help, the version or what is wrong; `exit_code`
 /// is then the program's.

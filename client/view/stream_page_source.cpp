@@ -6,29 +6,36 @@
 
 #include "client/link/background_stream_client.h"
 #include "client/link/scene_info.h"
+#include "client/view/lifted_pages.h"
 
 namespace tessera {
 namespace {
 
 constexpr std::uint64_t most_window_pages = 65536;  // what servers let a client watch
 
-StreamSettings stream_settings(ChannelSet channels, const std::string& name) {
+StreamSettings stream_settings(ChannelSet channels, const std::string& name, const std::string& token,
+                               Accuracy accuracy) {
     StreamSettings settings;
     settings.name = name;
-    settings.wants_presence = true;
-    settings.options = {.format = PageFormat::rgba, .gutter = gutter_texels, .channels = channels};
+    settings.token = token;
+    settings.wants_presence = settings.wants_edits = true;
+    settings.options = {
+        .format = PageFormat::rgba, .gutter = gutter_texels, .accuracy = accuracy, .channels = channels};
     return settings;
 }
 
 }  // namespace
 
 StreamPageSource::StreamPageSource(const ServerAddress& server, const SceneInfo& scene, ChannelSet channels,
-                                   const std::string& name)
-    : client_{std::make_unique<BackgroundStreamClient>(server, scene.id, stream_settings(channels, name))} {}
+                                   const std::string& name, const std::string& token, Accuracy accuracy)
+    : client_{std::make_unique<BackgroundStreamClient>(server, scene.id,
+                                                       stream_settings(channels, name, token, accuracy))},
+      lifted_{std::make_unique<LiftedPages>(server, scene, channels)} {}
 
 StreamPageSource::~StreamPageSource() = default;
 
 bool StreamPageSource::request(const PageRequest& request) {
+    if (!request.without.empty()) return lifted_->request(request);
     return client_->ask({.id = request.id,
                          .page = request.page,
                          .step = request.step,
@@ -37,10 +44,13 @@ bool StreamPageSource::request(const PageRequest& request) {
                          .have = request.have});
 }
 
-void StreamPageSource::cancel(PageRequestId id) { client_->cancel(id); }
+void StreamPageSource::cancel(PageRequestId id) {
+    if (!lifted_->cancel(id)) client_->cancel(id);
+}
 
 std::vector<ArrivedPage> StreamPageSource::take_arrived(std::size_t most) {
-    std::vector<ArrivedPage> arrived;
+    std::vector<ArrivedPage> arrived = lifted_->take_arrived(most);
+    most -= arrived.size();
     for (auto& [page, history] : client_->take_pages(most)) {
         PageVersion version{.history = history,
                             .revision = page.revision,

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "client/view/view_source.h"
+#include "shared/page/accuracy.h"
 #include "shared/page/channel_set.h"
 
 namespace tessera {
@@ -11,13 +12,15 @@ namespace tessera {
 struct SceneInfo;
 struct ServerAddress;
 class BackgroundStreamClient;
+class LiftedPages;
 
 /// The pages of a scene over its stream: told of what edits make stale, on the scene's own clock, connected
 /// again by itself.
 class StreamPageSource final : public ViewSource {
   public:
     StreamPageSource(const ServerAddress& server, const SceneInfo& scene, ChannelSet channels,
-                     const std::string& name);
+                     const std::string& name, const std::string& token = {},
+                     Accuracy accuracy = Accuracy::high);
     ~StreamPageSource() override;
 
     bool request(const PageRequest& request) override;
@@ -31,9 +34,11 @@ class StreamPageSource final : public ViewSource {
     std::uint64_t bytes_received() const override;
     State state() const override;
     SceneTime scene_time() const override;
+    BackgroundStreamClient* stream() override { return client_.get(); }
 
   private:
     std::unique_ptr<BackgroundStreamClient> client_;
+    std::unique_ptr<LiftedPages> lifted_;
 };
 
 /// The same windows, each no larger than what lets all of them have at most `most` pages: those around the

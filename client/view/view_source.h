@@ -9,6 +9,8 @@
 
 namespace tessera {
 
+class BackgroundStreamClient;
+
 /// Where a viewer's pages come from, and what it can say of that.
 class ViewSource : public PageSource {
   public:
@@ -25,6 +27,9 @@ class ViewSource : public PageSource {
         double round_trip_ms = 0;
     };
     virtual State state() const { return {}; }
+
+    /// The scene's stream, by which it is edited; null: none.
+    virtual BackgroundStreamClient* stream() { return nullptr; }
 
     /// The scene's clock now: its step, and how fast it goes (0: it rests).
     struct SceneTime {

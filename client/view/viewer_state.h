@@ -6,6 +6,7 @@
 #include <string>
 
 #include "client/render/filter.h"
+#include "client/render/plane_renderer.h"
 #include "client/residency/residency.h"
 #include "client/view/camera_control.h"
 
@@ -15,7 +16,7 @@ namespace tessera {
 struct ViewerSwitches {
     bool panel = true;
     bool help = false;
-    bool page_borders = false;
+    Overlay overlay = Overlay::none;
     bool haze = true;
     bool fade = true;
     bool vsync = true;

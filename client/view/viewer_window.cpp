@@ -143,7 +143,7 @@ class Viewer {
                 .filter = switches_.filter,
                 .fade_ms = switches_.fade ? 150.0F : 0.0F,
                 .haze = switches_.haze,
-                .page_borders = switches_.page_borders};
+                .overlay = switches_.overlay};
     }
 
     /// A filter that the driver refuses is left for the one that always works.

@@ -86,7 +86,8 @@ void WindowInput::keys(ViewerSwitches& switches) {
     const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, false); };
     if (pressed(GLFW_KEY_H) || pressed(GLFW_KEY_F1)) switches.help = !switches.help;
     if (pressed(GLFW_KEY_TAB)) switches.panel = !switches.panel;
-    if (pressed(GLFW_KEY_B)) switches.page_borders = !switches.page_borders;
+    if (pressed(GLFW_KEY_B))
+        switches.overlay = overlays[(static_cast<std::size_t>(switches.overlay) + 1) % overlays.size()];
     if (pressed(GLFW_KEY_F)) {
         const bool back = is_down(GLFW_KEY_LEFT_SHIFT) || is_down(GLFW_KEY_RIGHT_SHIFT);
         switches.filter.filter = filter_after(switches.filter.filter, back ? -1 : 1, has_driver_anisotropy());

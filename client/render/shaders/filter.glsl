@@ -1,5 +1,5 @@
-// What a pixel shows of the texture: premultiplied linear light. `level`: of the texels that were used.
-vec4 filtered(Footprint footprint, out float level) {
+// What the texture's texels give: premultiplied linear light. `level`: of those that were used.
+vec4 texels_filtered(Footprint footprint, out float level) {
 #if FILTER == NEAREST || FILTER == BILINEAR
     level = floor(isotropic_level(footprint) + 0.5);
 #if FILTER == BILINEAR
@@ -20,4 +20,13 @@ vec4 filtered(Footprint footprint, out float level) {
     level = isotropic_level(footprint);
     return trilinear(footprint.centre, level);
 #endif
+}
+
+// What a pixel shows: the texture, and what hands hold over it
+vec4 filtered(Footprint footprint, out float level) {
+    vec4 colour = texels_filtered(footprint, level);
+#ifdef HELD_SPRITES
+    colour = with_held_sprites(colour, footprint);
+#endif
+    return colour;
 }

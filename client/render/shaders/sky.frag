@@ -1,13 +1,4 @@
 // The sky above the horizon, coded and dithered.
-layout(std140, binding = 1) uniform View {
-    vec4 forward;
-    vec4 right;
-    vec4 up;
-    vec2 picture;
-    float height;
-    float haze;
-};
-
 layout(location = 0) out vec4 colour;
 
 vec3 encode(vec3 linear) {
@@ -23,8 +14,7 @@ float dither() {
 }
 
 void main() {
-    vec2 across = 2.0 * gl_FragCoord.xy / picture - 1.0;
-    vec3 ray = forward.xyz + across.x * right.xyz + across.y * up.xyz;
+    vec3 ray = ray_through(gl_FragCoord.xy);
     float elevation = clamp(ray.z / length(ray), 0.0, 1.0);
     colour = vec4(encode(mix(HORIZON, ZENITH, 1.0 - exp(-4.5 * elevation))) + dither() / 255.0, 1.0);
 }

@@ -20,8 +20,6 @@ void filter_panel(PanelColumns& columns, ViewerSwitches& switches) {
         if (choice.filter == Filter::supersample)
             ImGui::SliderInt("##subsamples", &choice.subsamples, 2, 8, "%d a side of each pixel",
                              ImGuiSliderFlags_AlwaysClamp);
-        ImGui::Checkbox("page borders", &switches.page_borders);
-        ImGui::SameLine(150 * columns.scale());
         ImGui::Checkbox("haze", &switches.haze);
     }
     columns.end();

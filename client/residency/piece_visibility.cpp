@@ -1,0 +1,150 @@
+#include "client/residency/piece_visibility.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tessera {
+namespace {
+
+constexpr double pixel_margin = 0.02;  ///< By which the GPU may place a side elsewhere
+constexpr float depth_margin = 1e-4F;  ///< Of 1
+
+}  // namespace
+
+PieceVisibility::PieceVisibility(const PlaneView& view) : view_{view} {
+    if (view.is_plane()) return;
+    const auto width = static_cast<std::size_t>(view.width());
+    nearest_.assign(width * static_cast<std::size_t>(view.height()), 0);
+    for (const FlatPiece& piece : view.pieces()) {
+        const Lines lines = lines_of(piece);
+        const PixelBox box = box_of(piece);
+        for (int y = box.top; y < box.bottom; ++y) {
+            int first = box.left, end = box.right;
+            row_span(lines, y + 0.5, 0, first, end);
+            const auto step = static_cast<float>(piece.w[0]);
+            const auto begin = static_cast<float>(piece.w[0] * (0.5 - view.width() / 2.0) +
+                                                  piece.w[1] * (y + 0.5 - view.height() / 2.0) + piece.w[2]);
+            float* row = nearest_.data() + static_cast<std::size_t>(y) * width;
+            for (int x = first; x < end; ++x) {
+                const float w = begin + static_cast<float>(x) * step;
+                row[x] = row[x] < w ? w : row[x];
+            }
+        }
+    }
+}
+
+PieceVisibility::Lines PieceVisibility::lines_of(const FlatPiece& piece) const {
+    Lines made;
+    const double step = view_.pixel_step();
+    const auto add = [&](double a, double b, double c) {
+        const double scale = 1 / std::max(std::hypot(a, b), 1e-300);
+        made.lines[made.count++] = {a * scale, b * scale, c * scale};
+    };
+    for (int i = 0; i < piece.corner_count; ++i) {
+        // The plane through the eye and this side
+        const Vector3 normal = cross(piece.corners[static_cast<std::size_t>((i + 1) % piece.corner_count)],
+                                     piece.corners[static_cast<std::size_t>(i)]);
+        add(step * dot(normal, view_.right()), -step * dot(normal, view_.up()), dot(normal, view_.forward()));
+    }
+    add(piece.w[0], piece.w[1], piece.w[2]);
+    return made;
+}
+
+void PieceVisibility::row_span(const Lines& lines, double y, double margin, int& first, int& end) const {
+    const double py = y - view_.height() / 2.0;
+    double low = first - view_.width() / 2.0, high = end - view_.width() / 2.0;
+    for (int i = 0; i < lines.count; ++i) {
+        const Line& line = lines.lines[i];
+        const double rest = line.b * py + line.c + margin;
+        if (line.a > 0)
+            low = std::max(low, -rest / line.a);
+        else if (line.a < 0)
+            high = std::min(high, -rest / line.a);
+        else if (rest < 0)
+            high = low;
+    }
+    // Middles from low to high
+    const double middle = view_.width() / 2.0 - 0.5;
+    first = std::max(first, static_cast<int>(std::ceil(std::min(low + middle, 1e9))));
+    end = std::min(end, static_cast<int>(std::floor(std::max(high + middle, -1e9))) + 1);
+}
+
+PixelBox PieceVisibility::box_of(const FlatPiece& piece) const {
+    const PixelBox whole{view_.first_column(), 0, view_.end_column(), view_.height()};
+    if (piece.corner_count == 0) return whole;
+    double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9;
+    const auto place = [&](const Vector3& corner) {
+        return Vector3{dot(corner, view_.right()), dot(corner, view_.up()), dot(corner, view_.forward())};
+    };
+    const auto include = [&](const Vector3& v) {
+        const double x = v.x / v.z / view_.pixel_step() + view_.width() / 2.0,
+                     y = view_.height() / 2.0 - v.y / v.z / view_.pixel_step();
+        left = std::min(left, x);
+        right = std::max(right, x);
+        top = std::min(top, y);
+        bottom = std::max(bottom, y);
+    };
+    for (int i = 0; i < piece.corner_count; ++i) {
+        const Vector3 a = place(piece.corners[static_cast<std::size_t>(i)]),
+                      b = place(piece.corners[static_cast<std::size_t>((i + 1) % piece.corner_count)]);
+        // So near the eye that nothing before it is in the picture
+        const double least = 1e-6 * std::max(std::abs(a.z), std::abs(b.z));
+        if (a.z > least) include(a);
+        if ((a.z > least) != (b.z > least)) {
+            const double part = (least - a.z) / (b.z - a.z);
+            include({a.x + part * (b.x - a.x), a.y + part * (b.y - a.y), least});
+        }
+    }
+    const auto pixel = [](double at, int least, int most) {
+        return static_cast<int>(
+            std::clamp(std::floor(at), static_cast<double>(least), static_cast<double>(most)));
+    };
+    return {pixel(left - pixel_margin, whole.left, whole.right), pixel(top - pixel_margin, 0, whole.bottom),
+            pixel(right + pixel_margin + 1, whole.left, whole.right),
+            pixel(bottom + pixel_margin + 1, 0, whole.bottom)};
+}
+
+PieceVisibility::Seen PieceVisibility::seen(const FlatPiece& piece, const PixelBox& box) const {
+    Seen found;
+    found.box = {box.right, box.bottom, box.left, box.top};
+    const Lines lines = lines_of(piece);
+    const int middle_x = (box.left + box.right) / 2, middle_y = (box.top + box.bottom) / 2;
+    int least_away = 1 << 30;
+    for (int y = box.top; y < box.bottom; ++y) {
+        int first = box.left, end = box.right;
+        row_span(lines, y + 0.5, pixel_margin, first, end);
+        if (first >= end) continue;
+        int left = first, right = end, pixels = end - first;
+        if (!nearest_.empty()) {
+            const float* row =
+                nearest_.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(view_.width());
+            const auto step = static_cast<float>(piece.w[0]);
+            const auto begin = static_cast<float>(piece.w[0] * (0.5 - view_.width() / 2.0) +
+                                                  piece.w[1] * (y + 0.5 - view_.height() / 2.0) + piece.w[2]);
+            const auto shows = [&](int x) {
+                return begin + static_cast<float>(x) * step >= row[x] * (1 - depth_margin);
+            };
+            pixels = 0;
+            for (int x = first; x < end; ++x) pixels += shows(x) ? 1 : 0;
+            if (pixels == 0) continue;
+            while (!shows(left)) ++left;
+            while (!shows(right - 1)) --right;
+        }
+        found.pixels += pixels;
+        found.box.left = std::min(found.box.left, left);
+        found.box.right = std::max(found.box.right, right);
+        found.box.top = std::min(found.box.top, y);
+        found.box.bottom = y + 1;
+        const int x = std::abs(left - middle_x) < std::abs(right - 1 - middle_x) ? left : right - 1;
+        const int nearest_x = pixels == right - left ? std::clamp(middle_x, left, right - 1) : x;
+        const int away = std::abs(nearest_x - middle_x) + std::abs(y - middle_y);
+        if (away < least_away) {
+            least_away = away;
+            found.x = nearest_x;
+            found.y = y;
+        }
+    }
+    return found;
+}
+
+}  // namespace tessera

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "client/residency/residency.h"
+#include "client/view/metrics/page_traffic.h"
+#include "client/view/metrics/rolling_times.h"
+#include "client/view/metrics/waits.h"
+
+namespace tessera::view {
+class MetricsLine;
+}
+
+namespace tessera {
+
+/// One frame as measured.
+struct FrameSample {
+    const Camera& camera;
+    FrameTime time;
+    const ResidencyFrame& outcome;
+    const Residency& residency;
+    double frame_ms = 0;   ///< From the frame before to this one; 0: unknown.
+    double work_ms = 0;    ///< Deciding, uploading and drawing.
+    double upload_ms = 0;  ///< Bringing pages and entries to the GPU.
+    std::size_t gpu_bytes = 0;
+    std::uint64_t bytes_received = 0;
+    double round_trip_ms = 0;  ///< Of the link; 0: unknown.
+    std::uint64_t revision = 0;
+    std::string trouble{};  ///< Why nothing comes; empty: all is well.
+    /// Pixels whose pages were compared with what was brought for them, and those that failed.
+    double checked_pixels = 0, wrong_pixels = 0;
+};
+
+/// All figures of a session, from its frames. view.proto's MetricsLine says what each means. No GL, no clock.
+class SessionMetrics {
+  public:
+    void add(const FrameSample& sample);
+
+    /// What holds now; means and counts "of the line" are of the frames since the last next_line().
+    view::MetricsLine line() const;
+    void next_line();
+
+    std::uint64_t frames() const { return frames_; }
+    const RollingTimes& frame_times() const { return frame_times_; }
+
+  private:
+    RollingTimes frame_times_{600};
+    PageTraffic traffic_;
+    Waits waits_;
+    double median_ms_ = 0;  ///< Of frame_times_, some frames ago
+    std::uint64_t frames_ = 0, hitches_ = 0;
+    double checked_pixels_ = 0, wrong_pixels_ = 0;
+
+    struct Line {
+        std::uint64_t frames = 0, faults = 0, uploads = 0, hitches = 0;
+        double begin_ms = 0, sharp = 0, deficit = 0, upload_ms = 0, worst_upload_ms = 0, work_ms = 0;
+        std::uint64_t bytes_before = 0;
+    } line_;
+    // Of the last frame
+    struct Last {
+        double now_ms = 0;
+        std::size_t needed = 0, missing = 0, stale = 0;
+        double lod_bias = 0;
+        std::size_t cache_pages = 0, gpu_bytes = 0, in_flight = 0, credits = 0;
+        double round_trip_ms = 0, waiting_ms = 0;
+        std::uint64_t bytes_received = 0, revision = 0;
+        RequestCounts counts{};
+        std::uint64_t evictions = 0;
+        std::string trouble{};
+    } last_;
+};
+
+}  // namespace tessera
