@@ -141,6 +141,9 @@ void HandDesk::advance(const HandView& view) {
     hand_.look(view);
     say(hand_.take_message(), view.now);
     if (is_open && !takes_edits()) is_open = false;
+    for (const HeldSprite& held : hand_.held()) want_picture(held.pattern);
+    for (const auto& [session, person] : people_)
+        if (person.held) want_picture(person.held->pattern);
     targets_.advance();
     for (MapBrush& brush : brushes_) brush.advance();
     ask();
@@ -254,7 +257,7 @@ void HandDesk::take_gets() {
         if (!is_good) quiet_until_ = view_.now + quiet_after_failure;
         if (const auto box = asked_boxes_.find(got.target); box != asked_boxes_.end()) {
             proto::SpriteList list;
-            if (is_good && read_json(got.reply->body, "sprites", list, UnknownFields::skip)) {
+            if (is_good && read_json_leniently(got.reply->body, "sprites", list)) {
                 hand_.book().answer(box->second, list);
             } else {
                 hand_.book().no_answer();
@@ -263,7 +266,7 @@ void HandDesk::take_gets() {
             asked_boxes_.erase(box);
         } else if (got.target.ends_with("/editables")) {
             proto::SceneEditables editables;
-            if (!is_good || !read_json(got.reply->body, "editables", editables, UnknownFields::skip)) {
+            if (!is_good || !read_json_leniently(got.reply->body, "editables", editables)) {
                 asks_editables_ = !(got.reply && got.reply->status == 404);
                 continue;
             }

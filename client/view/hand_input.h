@@ -1,0 +1,42 @@
+#pragma once
+
+#include <optional>
+
+#include "client/view/hand_desk.h"
+#include "client/view/hand_view.h"
+
+struct GLFWwindow;
+
+namespace tessera {
+
+/// Mouse and keys of a window for the hand: what it takes, the camera does not get.
+class HandInput {
+  public:
+    /// Both outlive this.
+    HandInput(GLFWwindow* window, HandDesk& desk) : window_{window}, desk_{desk} {}
+
+    /// Once a frame, within ImGui's, before the camera's input. `view`: the last frame's picture; pixels are
+    /// the framebuffer's.
+    void advance(const HandPicture& view, double cursor_x, double cursor_y, Extent extent, int level);
+
+    /// Whether the left button drags something, so that it does not move the camera.
+    bool has_mouse() const { return has_mouse_; }
+    /// Whether keys without Ctrl that the camera has, too, are the hand's now: arrows, R, 1 to 9, Escape.
+    bool has_keys() const { return desk_.is_open; }
+    /// Whether Escape was used here in this frame.
+    bool took_escape() const { return took_escape_; }
+
+  private:
+    void keys(double texels_per_pixel);
+    void sprite_keys(double texels_per_pixel);
+    void press(const HandPoint& at, double texels_per_pixel);
+    bool escape();
+
+    GLFWwindow* window_;
+    HandDesk& desk_;
+    bool has_mouse_ = false, is_down_ = false, moved_ = false, took_escape_ = false;
+    double start_x_ = 0, start_y_ = 0;
+    std::optional<HandPoint> last_;
+};
+
+}  // namespace tessera
