@@ -1,6 +1,7 @@
 #include "client/render/surface_geometry.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 
@@ -35,9 +36,11 @@ void SurfaceGeometry::upload(const std::vector<FlatPiece>& pieces) {
                                                  static_cast<float>(at.z), std::bit_cast<float>(index)});
             }
         }
-        for (const auto* row : {&piece.s, &piece.t, &piece.w})
-            rows_.insert(rows_.end(), {static_cast<float>((*row)[0]), static_cast<float>((*row)[1]),
-                                       static_cast<float>((*row)[2]), 0.0F});
+        const std::array rows{&piece.s, &piece.t, &piece.w};
+        for (std::size_t row = 0; row < rows.size(); ++row)
+            rows_.insert(rows_.end(),
+                         {static_cast<float>((*rows[row])[0]), static_cast<float>((*rows[row])[1]),
+                          static_cast<float>((*rows[row])[2]), static_cast<float>(piece.light[row])});
         ++index;
     }
     send(corners_, corner_buffer_, corner_capacity_);

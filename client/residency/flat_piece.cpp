@@ -20,15 +20,16 @@ std::vector<FlatPiece> corridor(const Surface& surface, const PlaneView& view) {
                  ceiling = floor + 2 * half;
     const double far = 1e6 * (half + camera.height_texels);
     std::vector<FlatPiece> pieces;
-    const auto add = [&](double x0, double z0, double x1, double z1, const PieceTexture& texture) {
+    const auto add = [&](double x0, double z0, double x1, double z1, double light,
+                         const PieceTexture& texture) {
         add_piece(pieces, view,
                   {Vector3{x0, -far, z0}, Vector3{x1, -far, z1}, Vector3{x1, far, z1}, Vector3{x0, far, z0}},
-                  4, texture);
+                  4, texture, {light, light, light});
     };
-    add(west, floor, east, floor, {});
-    add(east, floor, east, ceiling, {{0, 0, -1}, {0, 1, 0}, east + floor, 0});
-    add(east, ceiling, west, ceiling, {{-1, 0, 0}, {0, 1, 0}, 2 * middle, 0});
-    add(west, ceiling, west, floor, {{0, 0, 1}, {0, 1, 0}, west - floor, 0});
+    add(west, floor, east, floor, 1, {});
+    add(east, floor, east, ceiling, 0.82, {{0, 0, -1}, {0, 1, 0}, east + floor, 0});
+    add(east, ceiling, west, ceiling, 0.5, {{-1, 0, 0}, {0, 1, 0}, 2 * middle, 0});
+    add(west, ceiling, west, floor, 0.68, {{0, 0, 1}, {0, 1, 0}, west - floor, 0});
     return pieces;
 }
 
@@ -55,7 +56,7 @@ bool set_rows(FlatPiece& piece, const PlaneView& view, const Vector3& normal, do
 }
 
 void add_piece(std::vector<FlatPiece>& pieces, const PlaneView& view, const std::array<Vector3, 4>& corners,
-               int corner_count, const PieceTexture& texture) {
+               int corner_count, const PieceTexture& texture, const std::array<double, 3>& light) {
     const auto count = static_cast<std::size_t>(corner_count);
     // Wholly beside the picture, or behind the eye
     const auto outside = [&](const Vector3& axis, double tangent) {
@@ -76,6 +77,7 @@ void add_piece(std::vector<FlatPiece>& pieces, const PlaneView& view, const std:
     if (!set_rows(piece, view, normal, distance, texture)) return;
     piece.corners = corners;
     piece.corner_count = corner_count;
+    piece.light = light;
     pieces.push_back(piece);
 }
 

@@ -33,6 +33,8 @@ struct FlatPiece {
     std::array<double, 3> s{}, t{}, w{};
     std::array<Vector3, 4> corners{};  ///< From the eye; a convex polygon, its corners in order.
     int corner_count = 0;              ///< 3 or 4; 0: the whole plane, up to its horizon.
+    /// How much of the light falls on the first three corners, 0 to about 1, and evenly between.
+    std::array<double, 3> light{1, 1, 1};
 };
 
 /// How the texture lies on a piece's plane: texel (x, y) = across·X + at, X counted from the eye, and the
@@ -51,6 +53,6 @@ bool set_rows(FlatPiece& piece, const PlaneView& view, const Vector3& normal, do
 
 /// Adds the polygon of these corners (3 or 4), unless it faces away or lies beside the picture.
 void add_piece(std::vector<FlatPiece>& pieces, const PlaneView& view, const std::array<Vector3, 4>& corners,
-               int corner_count, const PieceTexture& texture);
+               int corner_count, const PieceTexture& texture, const std::array<double, 3>& light = {1, 1, 1});
 
 }  // namespace tessera

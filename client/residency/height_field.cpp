@@ -8,6 +8,7 @@ namespace tessera {
 namespace {
 
 constexpr int shortest_log2 = 10, longest_log2 = 20;
+constexpr int steepest_log2 = 13;
 static_assert(made_height_shortest == std::int64_t{1} << shortest_log2);
 
 /// 3t² − 2t³ of 0 to 65536, as 0 to 65536.
@@ -62,8 +63,8 @@ std::int64_t made_height(std::int64_t x, std::int64_t y, std::int64_t spacing) {
     for (int size = shortest_log2; size <= longest_log2; ++size) {
         if (std::int64_t{1} << size < 4 * spacing) continue;
         // Larger hills are higher, and gentler
-        std::int64_t scale = std::int64_t{160} << (size - shortest_log2);
-        for (int doubled = shortest_log2; doubled < size; ++doubled) scale -= scale / 8;
+        std::int64_t scale = std::int64_t{200} << (size - shortest_log2);
+        for (int doubled = steepest_log2; doubled < size; ++doubled) scale -= scale / 4;
         height += hill(x, y, size) * scale >> 10;
     }
     return height;

@@ -13,6 +13,10 @@ class HeightImage {
     /// `codes`: width·height of 0 to 65535, rows from the top. 2 to 8192 pixels each way.
     HeightImage(std::int32_t width, std::int32_t height, std::vector<std::uint16_t> codes);
 
+    std::int32_t width() const { return width_; }
+    std::int32_t height() const { return height_; }
+    const std::vector<std::uint16_t>& codes() const { return codes_; }
+
     /// 0 to 65535, linear between pixels. `x`, `y`: texels, any.
     double at(std::int64_t x, std::int64_t y) const;
 

@@ -88,7 +88,7 @@ PixelBox PieceVisibility::box_of(const FlatPiece& piece) const {
         const Vector3 a = place(piece.corners[static_cast<std::size_t>(i)]),
                       b = place(piece.corners[static_cast<std::size_t>((i + 1) % piece.corner_count)]);
         // So near the eye that nothing before it is in the picture
-        const double least = 1e-6 * std::max(std::abs(a.z), std::abs(b.z));
+        const double least = 1e-4 * view_.camera().height_texels;
         if (a.z > least) include(a);
         if ((a.z > least) != (b.z > least)) {
             const double part = (least - a.z) / (b.z - a.z);

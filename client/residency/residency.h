@@ -52,12 +52,12 @@ struct FrameTime {
 /// One frame's outcome.
 struct ResidencyFrame {
     std::vector<SlotUpload> uploads;
-    double lod_bias = 0;        ///< To add to every pixel's level, in the shader too.
-    std::size_t needed = 0;     ///< Pages the view samples.
-    std::size_t missing = 0;    ///< Of these, not resident and not given up.
-    std::size_t stale = 0;      ///< Of these, resident, with a newer version to be had.
-    double resident_share = 1;  ///< Of the pixels that see the plane, those that are sharp: 0 to 1.
-    double mip_deficit = 0;     ///< Levels missing, averaged over the pixels that see the plane.
+    double lod_bias = 0;                ///< To add to every pixel's level, in the shader too.
+    std::size_t needed = 0;             ///< Pages the view samples.
+    std::size_t missing = 0;            ///< Of these, not resident and not given up.
+    std::size_t stale = 0;              ///< Of these, resident, with a newer version to be had.
+    double resident_share = 1;          ///< Of the pixels that see the plane, those that are sharp: 0 to 1.
+    double mip_deficit = 0;             ///< Levels missing, averaged over the pixels that see the plane.
     std::vector<NeededPage> sampled{};  ///< All `needed`, those included that are missing.
     std::vector<std::uint32_t> ended_holds{};  ///< From this frame on the pages show these changes.
     bool is_sharp() const { return missing == 0; }

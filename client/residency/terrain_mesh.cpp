@@ -16,6 +16,10 @@ constexpr double least_scale =
     2000;  ///< Texels: hills are seen this high at least, whatever the eye's height
 constexpr int most_rings = 34;
 
+constexpr Vector3 sun{-0.55, -0.45, 0.704};  ///< Towards it: the north-west, as maps have it
+constexpr double ambient = 0.25;
+constexpr double sun_on_flat = ambient + (1 - ambient) * sun.z;
+
 double height_of(const Surface& surface, std::int64_t x, std::int64_t y, std::int64_t spacing) {
     const double height = surface.heights ? surface.heights->at(x, y) / 257
                                           : static_cast<double>(made_height(x, y, spacing)) / 64;
@@ -106,8 +110,9 @@ class Mesh {
     void add_cell(std::int64_t column, std::int64_t row) {
         const Vector3 a = vertex(column, row), b = vertex(column + 1, row), c = vertex(column + 1, row + 1),
                       d = vertex(column, row + 1);
-        triangle(a, b, c);
-        triangle(a, c, d);
+        const double light_a = light_at(column, row), light_c = light_at(column + 1, row + 1);
+        triangle(a, b, c, {light_a, light_at(column + 1, row), light_c});
+        triangle(a, c, d, {light_a, light_c, light_at(column, row + 1)});
     }
 
     /// From the outermost edge to beyond all that is seen.
@@ -127,8 +132,23 @@ class Mesh {
         }
     }
 
-    void triangle(const Vector3& a, const Vector3& b, const Vector3& c) {
-        add_piece(pieces_, view_, {a, b, c, c}, 3, {});
+    void triangle(const Vector3& a, const Vector3& b, const Vector3& c,
+                  const std::array<double, 3>& light = {sun_on_flat, sun_on_flat, sun_on_flat}) {
+        add_piece(pieces_, view_, {a, b, c, c}, 3, {}, light);
+    }
+
+    /// By the slope at a vertex.
+    double light_at(std::int64_t column, std::int64_t row) {
+        const auto clamped = [](std::int64_t at) { return std::clamp(at, -reach, reach); };
+        const auto slope = [&](std::int64_t dx, std::int64_t dy) {
+            const std::int64_t left = clamped(column - dx), right = clamped(column + dx),
+                               top = clamped(row - dy), bottom = clamped(row + dy);
+            return (height_at(right, bottom) - height_at(left, top)) /
+                   static_cast<double>((right - left + bottom - top) * spacing_);
+        };
+        const double x = slope(1, 0), y = slope(0, 1);
+        const double facing = (-x * sun.x - y * sun.y + sun.z) / std::sqrt(x * x + y * y + 1);
+        return ambient + (1 - ambient) * std::max(facing, 0.0);
     }
 
     const Surface& surface_;

@@ -8,7 +8,7 @@ namespace tessera {
 namespace {
 
 constexpr double least_height = 2;
-constexpr double lowest_pitch = -90, highest_pitch = 20;
+constexpr double lowest_pitch = -90, highest_pitch_on_plane = 20;
 constexpr double speed = 1.1;             ///< Eye heights a second
 constexpr double fast_speed = 5;          ///< Times that
 constexpr double climb = 1.2;             ///< Doublings of the height a second
@@ -26,6 +26,11 @@ void CameraControl::set(const Camera& camera) {
     camera_ = camera;
     forwards_ = sideways_ = upwards_ = zoom_left_ = 0;
     zoom_target_.reset();
+    keep_inside();
+}
+
+void CameraControl::set_surface(const Surface& surface) {
+    surface_ = surface;
     keep_inside();
 }
 
@@ -63,7 +68,7 @@ void CameraControl::drag_plane(int width, int height, double from_x, double from
 
 void CameraControl::look(double yaw_degrees, double pitch_degrees) {
     camera_.yaw_degrees = std::remainder(camera_.yaw_degrees + yaw_degrees, 360);
-    camera_.pitch_degrees = std::clamp(camera_.pitch_degrees + pitch_degrees, lowest_pitch, highest_pitch);
+    camera_.pitch_degrees = std::clamp(camera_.pitch_degrees + pitch_degrees, lowest_pitch, highest_pitch());
 }
 
 void CameraControl::orbit(double yaw_degrees, double pitch_degrees) {
@@ -107,9 +112,22 @@ void CameraControl::keep_inside() {
     };
     inside(camera_.ground.x, camera_.ground.fraction_x);
     inside(camera_.ground.y, camera_.ground.fraction_y);
+    if (surface_.kind == Surface::Kind::corridor) {
+        const double room = 0.93 * surface_.half_side;
+        const PlanePoint middle{surface_.middle_x, camera_.ground.y, 0, camera_.ground.fraction_y};
+        const double aside = distance_x(middle, camera_.ground);
+        if (std::abs(aside) > room) camera_.ground = middle.moved(std::copysign(room, aside), 0);
+        camera_.height_texels =
+            std::clamp(camera_.height_texels, surface_.half_side - room, surface_.half_side + room);
+    }
     camera_.height_texels =
         std::clamp(camera_.height_texels, least_height, 2 * static_cast<double>(extent_.side_texels()));
-    camera_.pitch_degrees = std::clamp(camera_.pitch_degrees, lowest_pitch, highest_pitch);
+    camera_.pitch_degrees = std::clamp(camera_.pitch_degrees, lowest_pitch, highest_pitch());
+}
+
+/// There is more to see above than sky.
+double CameraControl::highest_pitch() const {
+    return surface_.kind == Surface::Kind::plane ? highest_pitch_on_plane : 75;
 }
 
 }  // namespace tessera

@@ -16,6 +16,8 @@ class CameraControl {
 
     const Camera& camera() const { return camera_; }
     void set(const Camera& camera);
+    /// What there is to keep out of: the walls of a corridor. A terrain lifts the camera by itself.
+    void set_surface(const Surface& surface);
 
     /// What is held down now, each −1 to 1; positive is forwards, right, up.
     struct Steering {
@@ -40,9 +42,11 @@ class CameraControl {
   private:
     void approach(const GroundPoint& point, double factor);
     void keep_inside();
+    double highest_pitch() const;
 
     Camera camera_;
     Extent extent_;
+    Surface surface_{};
     double forwards_ = 0, sideways_ = 0, upwards_ = 0;  ///< Speeds, in heights (or doublings) a second
     double zoom_left_ = 0;                              ///< Of the zoom that has begun: log2 of height factor
     std::optional<PlanePoint> zoom_target_;

@@ -21,6 +21,7 @@ class FramePainter {
 
     const PlaneScene& scene() const { return scene_; }
     PlaneScene& scene() { return scene_; }
+    void set_second(PlaneScene* second) { second_ = second; }
     PlaneScene* second() { return second_; }
     const PlaneScene* second() const { return second_; }
 

@@ -132,9 +132,11 @@ Result<void> run(const Options& options) {
     if (!surface) return surface.error();
     const auto source = make_source(options, *server, *info, options.accuracy);
     std::unique_ptr<ViewSource> second;
-    if (options.split_accuracy) second = make_source(options, *server, *info, *options.split_accuracy);
+    if (options.split_accuracy && options.headless)
+        second = make_source(options, *server, *info, *options.split_accuracy);
     if (options.headless) return draw_headless(options, *info, *path, *surface, *source, second.get());
-    return run_window(options, *info, *server, path->at(path->begin_seconds()), *source);
+    return run_window(options, *info, *server, *path, *surface, *source,
+                      [&](Accuracy accuracy) { return make_source(options, *server, *info, accuracy); });
 }
 
 }  // namespace

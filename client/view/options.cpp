@@ -9,12 +9,17 @@ constexpr const char* after_help = R"(In the window:
   drag           moves the plane          right drag     turns the head
   middle drag    orbits the centre        wheel          zooms to the cursor
   W A S D        fly (Shift: faster)      Q E            down, up
-  F, 1 to 7      next filter, this one    H              all keys
+  F, 1 to 7      next filter, this one    V              plane, terrain, corridor
+  B              page borders, age, ...   X              side by side; drag the line
+  R              records the camera       L              plays what was recorded
+  P              screenshot               H              all keys
 
 Examples:
   tessera-view http://127.0.0.1:7070 pebbles
   tessera-view http://127.0.0.1:7070 meadow --name Ada
   tessera-view http://127.0.0.1:7070 pebbles --headless --frames 60 --camera path.json -o frames
+  tessera-view http://127.0.0.1:7070 pebbles --view terrain --split line-integral
+  tessera-view http://127.0.0.1:7070 pebbles --headless --view corridor --split fast --overlay level -o out
   tessera-view --headless --compare-filters --textures photographs -o report
 
 Without a display (--headless) an off-screen OpenGL context is used (EGL, surfaceless): it needs no X server, and on
@@ -137,6 +142,9 @@ bool read_options(int argc, const char* const* argv, Options& options, int& exit
                  "and pictures; needs --headless and no server");
     app.add_option("--textures", options.textures,
                    "Folder of PNG images for --compare-filters; without it a checker");
+    app.add_option("--panel-scale", options.panel_scale, "Panels this much larger than the screen asks")
+        ->check(CLI::Range(0.5, 4.0))
+        ->capture_default_str();
     app.add_option("--cache-pages", options.cache_pages, "Pages kept on the GPU, 279 KB each")
         ->capture_default_str()
         ->check(CLI::Range(64, 2048));

@@ -39,6 +39,7 @@ struct Options {
     std::filesystem::path textures;  ///< Folder of compare_filters; empty: a built-in checker
     std::string command_line;
     bool settle = true;
+    double panel_scale = 1;  ///< Panels are so much larger than the screen asks.
     std::size_t cache_pages = 512;  ///< See ResidencySettings::slots
     std::size_t in_flight = 12;     ///< See RequestLimits::in_flight
 };

@@ -5,12 +5,30 @@
 
 namespace tessera {
 
+Surface surface_after(const Surface& surface, int steps, const Camera& camera) {
+    constexpr std::array kinds{Surface::Kind::plane, Surface::Kind::terrain, Surface::Kind::corridor};
+    const auto at = static_cast<int>(std::ranges::find(kinds, surface.kind) - kinds.begin());
+    Surface next = surface;
+    next.kind = kinds[static_cast<std::size_t>((at + steps % 3 + 3) % 3)];
+    return around(next, camera);
+}
+
 Filter filter_after(Filter filter, int steps, bool has_driver_anisotropy) {
     constexpr auto count = static_cast<int>(filters.size());
     auto at = static_cast<int>(std::ranges::find(filters, filter) - filters.begin());
     do at = (at + steps % count + count) % count;
     while (filters[static_cast<std::size_t>(at)] == Filter::driver_anisotropic && !has_driver_anisotropy);
     return filters[static_cast<std::size_t>(at)];
+}
+
+void switch_split(ViewerSwitches& switches) {
+    if (switches.split) {
+        switches.split.reset();
+        return;
+    }
+    switches.split = SplitChoice{.filter = switches.filter};
+    switches.split->filter.filter =
+        switches.filter.filter == Filter::line_integral ? Filter::trilinear : Filter::line_integral;
 }
 
 const char* title_of(Filter filter) {
@@ -51,6 +69,11 @@ std::optional<CursorReading> read_cursor(const PlaneView& view, const Residency&
     reading.page = {level, static_cast<std::uint32_t>(at.x >> (8 + level)),
                     static_cast<std::uint32_t>(at.y >> (8 + level))};
     reading.shown = residency.table().shown_for(reading.page);
+    if (reading.shown) {
+        PageKey page = reading.page;
+        while (page.level < reading.shown->level) page = parent(page);
+        if (const PageVersion* held = residency.versions().held(page)) reading.version = *held;
+    }
     reading.under_way = residency.requests().is_under_way(reading.page);
     return reading;
 }

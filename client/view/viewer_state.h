@@ -9,6 +9,8 @@
 #include "client/render/plane_renderer.h"
 #include "client/residency/residency.h"
 #include "client/view/camera_control.h"
+#include "client/view/view_frame.h"
+#include "shared/page/accuracy.h"
 
 namespace tessera {
 
@@ -16,12 +18,23 @@ namespace tessera {
 struct ViewerSwitches {
     bool panel = true;
     bool help = false;
+    Surface surface{};
     Overlay overlay = Overlay::none;
+    std::optional<SplitChoice> split{};
+    Accuracy accuracy = Accuracy::high;         ///< Of the pages; not to be switched
+    Accuracy split_accuracy = Accuracy::exact;  ///< Of the right part, where `split` has pages of its own
+    bool orbits = false;  ///< A drag goes around the middle of the picture, instead of moving the plane
     bool haze = true;
     bool fade = true;
     bool vsync = true;
     FilterChoice filter{};
 };
+
+/// The next surface (or the last, with `steps` −1), as it stands around this camera.
+Surface surface_after(const Surface& surface, int steps, const Camera& camera);
+
+/// Splits the picture: the right part by the next filter; or makes it whole.
+void switch_split(ViewerSwitches& switches);
 
 /// The next filter (or the last, with `steps` −1) of those that this driver has.
 Filter filter_after(Filter filter, int steps, bool has_driver_anisotropy);
@@ -57,6 +70,7 @@ struct CursorReading {
     PageKey page;      ///< Of the nearest level
     std::optional<ShownPage> shown;
     bool under_way = false;
+    std::optional<PageVersion> version{};  ///< Of the page that is shown
 };
 
 /// Nothing if the cursor is on the sky or beyond the extent.

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdio>
 #include <ctime>
+#include <fstream>
 
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
@@ -15,6 +16,7 @@
 #include "client/view/camera_path.h"
 #include "client/view/frame_painter.h"
 #include "client/view/panels/panels.h"
+#include "client/view/path_recorder.h"
 #include "client/view/png_file.h"
 #include "client/view/window_input.h"
 
@@ -28,7 +30,9 @@ constexpr auto longest_wait_for_sharpness = std::chrono::seconds{60};
 /// ImGui on the window, for as long as this lives.
 class Panels {
   public:
-    explicit Panels(const GlfwWindow& window) : scale_{window.content_scale()} {
+    /// `larger`: than the screen asks.
+    Panels(const GlfwWindow& window, float larger)
+        : window_{window}, larger_{larger}, scale_{larger * window.content_scale()} {
         ImGui::CreateContext();
         style_panels(scale_);
         ImGui_ImplGlfw_InitForOpenGL(window.handle(), true);
@@ -44,6 +48,13 @@ class Panels {
 
     float scale() const { return scale_; }
     void begin() {
+        // Another screen, or its settings
+        if (const float scale = larger_ * window_.content_scale(); scale != scale_) {
+            scale_ = scale;
+            style_panels(scale);
+            ImGui_ImplOpenGL3_DestroyFontsTexture();
+            ImGui_ImplOpenGL3_CreateFontsTexture();
+        }
         ImGui_ImplOpenGL3_NewFrame();
         ImGui_ImplGlfw_NewFrame();
         ImGui::NewFrame();
@@ -55,23 +66,42 @@ class Panels {
     }
 
   private:
+    const GlfwWindow& window_;
+    float larger_;
     float scale_;
 };
 
+/// The pages of a split picture's right part, where these are of another accuracy.
+struct SecondScene {
+    Accuracy accuracy;
+    std::unique_ptr<ViewSource> source;
+    std::unique_ptr<PlaneScene> scene;
+};
+
+using SourceOf = std::function<std::unique_ptr<ViewSource>(Accuracy)>;
+
 class Viewer {
   public:
-    Viewer(const Options& options, const SceneInfo& info, const ServerAddress& server, const Camera& start,
-           ViewSource& source, GlfwWindow& window, PlaneScene& scene)
+    Viewer(const Options& options, const SceneInfo& info, const ServerAddress& server, const CameraPath& path,
+           const Surface& surface, ViewSource& source, const SourceOf& source_of, GlfwWindow& window,
+           PlaneScene& scene)
         : options_{options},
           info_{info},
           server_{server.authority()},
           source_{source},
           window_{window},
           painter_{scene},
-          panels_{window},
-          control_{start, info.extent},
-          input_{window, control_, start} {
+          source_of_{source_of},
+          panels_{window, static_cast<float>(options.panel_scale)},
+          control_{path.at(path.begin_seconds()), info.extent},
+          input_{window, control_, path.at(path.begin_seconds())} {
         switches_.filter = options.filter;
+        switches_.surface = surface;
+        switches_.overlay = options.overlay;
+        switches_.split = split_of(options);
+        switches_.accuracy = options.accuracy;
+        switches_.split_accuracy = options.split_accuracy.value_or(Accuracy::exact);
+        if (path.end_seconds() > path.begin_seconds()) path_ = path;
     }
 
     Result<void> run() {
@@ -105,7 +135,11 @@ class Viewer {
             target_.emplace(size.width, size.height);
         panels_.begin();
         input_.advance(seconds, switches_);
+        control_.set_surface(switches_.surface);
+        if (input_.is_steering()) recorder_.stop_playing();
+        if (const auto played = recorder_.advance(seconds, control_.camera())) control_.set(*played);
         glfwSwapInterval(switches_.vsync ? 1 : 0);
+        bring_second();
 
         const ViewFrame shown = frame_of(size);
         const PlaneView view = shown.view();
@@ -122,15 +156,56 @@ class Viewer {
             .view = view,
             .frame = frame,
             .times = times_,
-            .cursor = read_cursor(view, painter_.scene().residency(), frame.lod_bias, cursor.x, cursor.y),
+            .cursor = read_cursor(view, residency_at(shown, cursor.x), frame.lod_bias, cursor.x, cursor.y),
             .source = source_.state(),
             .step = shown.time.step,
             .bytes_received = source_.bytes_received(),
-            .scale = panels_.scale()};
+            .scale = panels_.scale(),
+            .is_recording = recorder_.is_recording(),
+            .is_playing = recorder_.is_playing()};
         draw_panels(contents, switches_);
         panels_.end();
         answer_requests(input_.take_requests());
+        tell_title();
         return frame.is_sharp();
+    }
+
+    /// What the right part of a split picture needs, while there is one with pages of its own.
+    void bring_second() {
+        const bool is_wanted = switches_.split && switches_.split->is_second;
+        if (second_ && (!is_wanted || second_->accuracy != switches_.split_accuracy)) {
+            painter_.set_second(nullptr);
+            second_.reset();
+        }
+        if (second_ || !is_wanted) return;
+        SecondScene made{switches_.split_accuracy, source_of_(switches_.split_accuracy), nullptr};
+        auto scene = PlaneScene::make(info_.extent, *made.source, painter_.scene().residency().settings());
+        if (!scene) {
+            std::fprintf(stderr, "tessera-view: %s\n", scene.error().detail.c_str());
+            switches_.split.reset();
+            return;
+        }
+        made.scene = std::move(*scene);
+        second_ = std::make_unique<SecondScene>(std::move(made));
+        painter_.set_second(second_->scene.get());
+    }
+
+    const Residency& residency_at(const ViewFrame& frame, double x) const {
+        const bool is_second = second_ && frame.split && frame.split->is_second && x >= frame.split_column();
+        return is_second ? second_->scene->residency() : painter_.scene().residency();
+    }
+
+    /// "Pebbles - terrain - trilinear - 60 fps - Tessera", twice a second.
+    void tell_title() {
+        if (Clock::now() - told_title_ < std::chrono::milliseconds{500}) return;
+        told_title_ = Clock::now();
+        const double mean = times_.mean_milliseconds();
+        char text[160];
+        std::snprintf(text, sizeof text, "%s - %s - %s - %.0f fps - Tessera",
+                      (info_.title.empty() ? info_.id : info_.title).substr(0, 60).c_str(),
+                      std::string{name_of(switches_.surface.kind)}.c_str(), title_of(switches_.filter.filter),
+                      mean > 0 ? 1000 / mean : 0);
+        window_.set_title(text);
     }
 
     ViewFrame frame_of(GlfwWindow::Size size) const {
@@ -143,11 +218,14 @@ class Viewer {
                 .filter = switches_.filter,
                 .fade_ms = switches_.fade ? 150.0F : 0.0F,
                 .haze = switches_.haze,
-                .overlay = switches_.overlay};
+                .overlay = switches_.overlay,
+                .surface = switches_.surface,
+                .split = switches_.split};
     }
 
     /// A filter that the driver refuses is left for the one that always works.
     void give_up_filter(const Error& error) {
+        if (switches_.split) switches_.split.reset();
         if (switches_.filter.filter != Filter::trilinear)
             std::fprintf(stderr, "tessera-view: %s: %s\n", title_of(switches_.filter.filter),
                          error.detail.c_str());
@@ -159,16 +237,38 @@ class Viewer {
             std::printf("%s\n", camera_key_json(0, control_.camera()).c_str());
             std::fflush(stdout);  // whoever reads a pipe wants it now
         }
+        if (requests.record) switch_recording();
+        if (requests.play && recorder_.is_playing())
+            recorder_.stop_playing();
+        else if (requests.play && path_)
+            recorder_.play(*path_);
         if (!requests.screenshot && !requests.screenshot_with_panels) return;
-        char name[64];
-        const std::time_t now = std::time(nullptr);
-        std::strftime(name, sizeof name, "tessera-%Y%m%d-%H%M%S.png", std::localtime(&now));
-        const auto file = options_.output / name;
+        const auto file = options_.output / file_name(".png");
         const auto written = requests.screenshot ? write_png(file, target_->read()) : write_window(file);
         if (written)
             std::printf("tessera-view: wrote %s\n", file.c_str());
         else
             std::fprintf(stderr, "tessera-view: %s\n", written.error().detail.c_str());
+        std::fflush(stdout);
+    }
+
+    static std::string file_name(const char* ending) {
+        char name[64];
+        const std::time_t now = std::time(nullptr);
+        std::strftime(name, sizeof name, "tessera-%Y%m%d-%H%M%S", std::localtime(&now));
+        return name + std::string{ending};
+    }
+
+    void switch_recording() {
+        if (!recorder_.is_recording()) return recorder_.start_recording();
+        const std::string keys = recorder_.stop_recording();
+        const auto file = options_.output / file_name(".json");
+        if (const auto path = CameraPath::parse(keys, file.string(), info_.extent)) path_ = *path;
+        std::error_code ignored;
+        if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), ignored);
+        std::ofstream stream{file, std::ios::binary};
+        stream << keys << std::flush;
+        std::printf("tessera-view: %s %s\n", stream ? "wrote" : "cannot write", file.c_str());
         std::fflush(stdout);
     }
 
@@ -185,19 +285,25 @@ class Viewer {
     ViewSource& source_;
     GlfwWindow& window_;
     FramePainter painter_;
+    SourceOf source_of_;
+    std::unique_ptr<SecondScene> second_;
     Panels panels_;
     CameraControl control_;
     WindowInput input_;
     std::optional<FrameTarget> target_;
     ViewerSwitches switches_;
     FrameTimes times_;
+    PathRecorder recorder_;
+    std::optional<CameraPath> path_;  ///< To play
     Clock::time_point begin_ = Clock::now();
+    Clock::time_point told_title_{};
 };
 
 }  // namespace
 
 Result<void> run_window(const Options& options, const SceneInfo& info, const ServerAddress& server,
-                        const Camera& start, ViewSource& source) {
+                        const CameraPath& path, const Surface& surface, ViewSource& source,
+                        const SourceOf& source_of) {
     const std::string title = (info.title.empty() ? info.id : info.title) + " - Tessera";
     auto window = GlfwWindow::open(title, {options.width, options.height});
     if (!window) return window.error();
@@ -209,7 +315,7 @@ Result<void> run_window(const Options& options, const SceneInfo& info, const Ser
     settings.window_side = window_side_for(screen ? screen->width : 2400);
     auto scene = PlaneScene::make(info.extent, source, settings);
     if (!scene) return scene.error();
-    return Viewer{options, info, server, start, source, **window, **scene}.run();
+    return Viewer{options, info, server, path, surface, source, source_of, **window, **scene}.run();
 }
 
 }  // namespace tessera

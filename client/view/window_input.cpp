@@ -1,6 +1,9 @@
 #include "client/view/window_input.h"
 
 #define GLFW_INCLUDE_NONE
+#include <algorithm>
+#include <cmath>
+
 #include <GLFW/glfw3.h>
 #include <imgui.h>
 
@@ -27,7 +30,7 @@ WindowInput::Pixels WindowInput::cursor_pixels() const {
 bool WindowInput::is_down(int key) const { return glfwGetKey(window_.handle(), key) == GLFW_PRESS; }
 
 void WindowInput::advance(double seconds, ViewerSwitches& switches) {
-    mouse();
+    mouse(switches);
     const bool typing = ImGui::GetIO().WantTextInput;
     if (!typing) keys(switches);
     if (!typing && (is_down(GLFW_KEY_EQUAL) || is_down(GLFW_KEY_KP_ADD) || is_down(GLFW_KEY_MINUS) ||
@@ -37,10 +40,18 @@ void WindowInput::advance(double seconds, ViewerSwitches& switches) {
         control_.zoom_at(size.width, size.height, last_cursor_.x, last_cursor_.y,
                          (nearer ? 1 : -1) * zoom_steps_per_second * seconds);
     }
-    control_.advance(seconds, typing ? CameraControl::Steering{} : steering());
+    const CameraControl::Steering held = typing ? CameraControl::Steering{} : steering();
+    is_steering_ = held.forwards != 0 || held.sideways != 0 || held.upwards != 0;
+    control_.advance(seconds, held);
 }
 
-void WindowInput::mouse() {
+bool WindowInput::is_on_split(const ViewerSwitches& switches, const Pixels& cursor) const {
+    if (!switches.split) return false;
+    const double reach = 6 * static_cast<double>(window_.content_scale());
+    return std::abs(cursor.x - switches.split->at * window_.framebuffer_size().width) < reach;
+}
+
+void WindowInput::mouse(ViewerSwitches& switches) {
     const ImGuiIO& io = ImGui::GetIO();
     const GlfwWindow::Size size = window_.framebuffer_size();
     const Pixels cursor = cursor_pixels(), last = last_cursor_;
@@ -53,13 +64,21 @@ void WindowInput::mouse() {
         if (dragging_ >= 0 || io.WantCaptureMouse) break;
         if (glfwGetMouseButton(window_.handle(), button) == GLFW_PRESS) {
             dragging_ = button;
+            drags_split_ = button == GLFW_MOUSE_BUTTON_LEFT && is_on_split(switches, cursor);
             return;
         }
     }
+    if (!io.WantCaptureMouse && ((dragging_ >= 0 && drags_split_) || is_on_split(switches, cursor)))
+        ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
     if (dragging_ < 0 || (cursor.x == last.x && cursor.y == last.y)) return;
+    if (drags_split_) {
+        if (switches.split) switches.split->at = std::clamp(cursor.x / size.width, 0.02, 0.98);
+        return;
+    }
     const double across = cursor.x - last.x, down = cursor.y - last.y;
-    const bool orbiting = dragging_ == GLFW_MOUSE_BUTTON_MIDDLE ||
-                          (dragging_ == GLFW_MOUSE_BUTTON_LEFT && is_down(GLFW_KEY_LEFT_CONTROL));
+    const bool orbiting =
+        dragging_ == GLFW_MOUSE_BUTTON_MIDDLE ||
+        (dragging_ == GLFW_MOUSE_BUTTON_LEFT && is_down(GLFW_KEY_LEFT_CONTROL) != switches.orbits);
     if (orbiting) {
         control_.orbit(across * orbit_degrees_per_pixel, -down * orbit_degrees_per_pixel);
     } else if (dragging_ == GLFW_MOUSE_BUTTON_LEFT) {
@@ -96,6 +115,13 @@ void WindowInput::keys(ViewerSwitches& switches) {
         if (pressed(GLFW_KEY_1 + static_cast<int>(i)) &&
             (filters[i] != Filter::driver_anisotropic || has_driver_anisotropy()))
             switches.filter.filter = filters[i];
+    const bool shift = is_down(GLFW_KEY_LEFT_SHIFT) || is_down(GLFW_KEY_RIGHT_SHIFT);
+    if (pressed(GLFW_KEY_V))
+        switches.surface = surface_after(switches.surface, shift ? -1 : 1, control_.camera());
+    if (pressed(GLFW_KEY_O)) switches.orbits = !switches.orbits;
+    if (pressed(GLFW_KEY_X)) switch_split(switches);
+    if (pressed(GLFW_KEY_R)) requests_.record = true;
+    if (pressed(GLFW_KEY_L)) requests_.play = true;
     if (pressed(GLFW_KEY_T)) control_.look_straight_down();
     if (pressed(GLFW_KEY_HOME)) control_.set(home_);
     if (pressed(GLFW_KEY_K)) requests_.camera_key = true;

@@ -11,6 +11,8 @@ struct WindowRequests {
     bool screenshot = false;
     bool screenshot_with_panels = false;
     bool camera_key = false;
+    bool record = false;  ///< Begin or end
+    bool play = false;    ///< Begin or end
 };
 
 /// Mouse and keyboard of a window -> camera and switches. What the panels take (ImGui) does not come here.
@@ -18,6 +20,9 @@ class WindowInput {
   public:
     /// `window` and `control` outlive this. `home`: where the Home key leads.
     WindowInput(GlfwWindow& window, CameraControl& control, const Camera& home);
+
+    /// Whether hands steer the camera now.
+    bool is_steering() const { return dragging_ >= 0 || is_steering_; }
 
     /// Once a frame, within ImGui's frame.
     void advance(double seconds, ViewerSwitches& switches);
@@ -32,7 +37,8 @@ class WindowInput {
     Pixels cursor_pixels() const;
 
   private:
-    void mouse();
+    void mouse(ViewerSwitches& switches);
+    bool is_on_split(const ViewerSwitches& switches, const Pixels& cursor) const;
     void keys(ViewerSwitches& switches);
     CameraControl::Steering steering() const;
     bool is_down(int key) const;
@@ -43,6 +49,8 @@ class WindowInput {
     Camera home_;
     WindowRequests requests_;
     Pixels last_cursor_;
+    bool is_steering_ = false;
+    bool drags_split_ = false;
     int dragging_ = -1;  ///< The mouse button that is held, or −1
     int window_place_[4] = {100, 100, 1280, 800};
 };

@@ -2,6 +2,9 @@
 // Written as linear light. STORED_TEXELS writes codes as they are stored instead.
 layout(location = 0) out vec4 colour;
 
+// How much light falls on the surface
+float lit = 1.0;
+
 #ifdef STORED_TEXELS
 vec4 stored_texel(float level, vec2 ground) {
     Place place;
@@ -69,7 +72,7 @@ void shade(Footprint footprint, float nearness) {
 #else
     float level;
     vec4 texel = filtered(footprint, level) * covered;
-    vec3 shaded = texel.rgb + (1.0 - texel.a) * TABLE_TOP;
+    vec3 shaded = (texel.rgb + (1.0 - texel.a) * TABLE_TOP) * lit;
 #ifdef OVERLAY
     shaded = mix(shaded, with_overlay(shaded, level, footprint), covered);
 #endif

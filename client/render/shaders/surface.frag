@@ -2,6 +2,7 @@
 layout(std430, binding = 1) readonly buffer Pieces { vec4 rows[]; };  // s, t and w of each
 
 flat in int piece;
+in float light;
 
 vec3 row_s, row_t, row_w;
 vec3 pixel;  // from the picture's middle, y down
@@ -22,5 +23,6 @@ void main() {
     vec2 dx = (vec2(row_s.x, row_t.x) - ground * row_w.x) / w;
     vec2 dy = (ground * row_w.y - vec2(row_s.y, row_t.y)) / w;
     vec3 ray = ray_through(gl_FragCoord.xy);
+    lit = light;
     shade(footprint_of(ground, dx, dy), height * w * inversesqrt(dot(ray, ray)));
 }

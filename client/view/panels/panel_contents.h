@@ -23,7 +23,9 @@ struct PanelContents {
     ViewSource::State source{};
     Step step = 0;  ///< Of the scene's clock
     std::uint64_t bytes_received = 0;
-    float scale = 1;  ///< The screen's content scale
+    float scale = 1;            ///< The screen's content scale
+    bool is_recording = false;  ///< The camera's way
+    bool is_playing = false;
 };
 
 }  // namespace tessera

@@ -43,9 +43,12 @@ void draw_panels(const PanelContents& contents, ViewerSwitches& switches) {
         scene_panel(columns, contents);
         read_out_panel(columns, contents);
         filter_panel(columns, switches);
+        view_panel(columns, contents, switches);
+        overlay_panel(columns, contents, switches);
         pages_panel(columns, contents);
         frames_panel(columns, contents, switches);
     }
+    split_labels(contents, switches);
     trouble_message(contents);
     if (switches.help) help_overlay(contents.scale, switches);
 }

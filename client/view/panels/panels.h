@@ -13,8 +13,13 @@ void draw_panels(const PanelContents& contents, ViewerSwitches& switches);
 
 void scene_panel(PanelColumns& columns, const PanelContents& contents);     ///< What this is, where we are
 void read_out_panel(PanelColumns& columns, const PanelContents& contents);  ///< What is under the cursor
-void filter_panel(PanelColumns& columns, ViewerSwitches& switches);         ///< How it is drawn
-void pages_panel(PanelColumns& columns, const PanelContents& contents);     ///< Cache and requests
+void view_panel(PanelColumns& columns, const PanelContents& contents, ViewerSwitches& switches);
+/// With its legend.
+void overlay_panel(PanelColumns& columns, const PanelContents& contents, ViewerSwitches& switches);
+/// The names of a split picture's parts, and the handle of the line between.
+void split_labels(const PanelContents& contents, const ViewerSwitches& switches);
+void filter_panel(PanelColumns& columns, ViewerSwitches& switches);      ///< How it is drawn
+void pages_panel(PanelColumns& columns, const PanelContents& contents);  ///< Cache and requests
 void frames_panel(PanelColumns& columns, const PanelContents& contents, ViewerSwitches& switches);
 void trouble_message(const PanelContents& contents);  ///< In the corner, while something is wrong
 void help_overlay(float scale, ViewerSwitches& switches);

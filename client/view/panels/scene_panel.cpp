@@ -27,6 +27,8 @@ void scene_panel(PanelColumns& columns, const PanelContents& contents) {
             ImGui::TextWrapped("%s", contents.scene.attribution.c_str());
             ImGui::PopStyleColor();
         }
+        if (contents.is_recording) ImGui::TextColored(bad, "recording the camera; R stops");
+        if (contents.is_playing) ImGui::TextColored(good, "playing a camera path; L stops");
         ImGui::TextColored(quiet, "H: all keys   Tab: hide the panels");
     }
     columns.end();
