@@ -19,9 +19,9 @@ Result<void> read(std::string_view text, std::string_view where, google::protobu
     return Error{ErrorCode::invalid_input, std::string{where} + ": " + std::string{status.message()}};
 }
 
-std::string write(const google::protobuf::Message& message, bool with_unset_fields) {
+std::string write(const google::protobuf::Message& message, bool with_unset_fields, bool indented = true) {
     google::protobuf::util::JsonPrintOptions options;
-    options.add_whitespace = true;
+    options.add_whitespace = indented;
     options.preserve_proto_field_names = true;
     options.always_print_primitive_fields = with_unset_fields;
     std::string text;
@@ -56,6 +56,10 @@ Result<std::string> json_to_binary(std::string_view text, const std::string& typ
 }
 
 std::string write_json(const google::protobuf::Message& message) { return write(message, true); }
+
+std::string write_json_line(const google::protobuf::Message& message) {
+    return write(message, true, false) + '\n';
+}
 
 std::string write_brief_json(const google::protobuf::Message& message) { return write(message, false); }
 

@@ -24,6 +24,9 @@ Result<std::string> json_to_binary(std::string_view text, const std::string& typ
 /// Indented protobuf JSON with the names of the .proto file, ending in a newline.
 std::string write_json(const google::protobuf::Message& message);
 
+/// The same on one line: of a file of JSON lines.
+std::string write_json_line(const google::protobuf::Message& message);
+
 /// The same, but only the fields that are set: for files that people read and edit.
 std::string write_brief_json(const google::protobuf::Message& message);
 

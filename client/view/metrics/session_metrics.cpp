@@ -48,23 +48,23 @@ void SessionMetrics::add(const FrameSample& sample) {
     const PageRequests& requests = residency.requests();
     const CreditWindow& window = requests.window();
     const auto waiting = waits_.waiting_for_sharp(sample.time.now);
-    last_ = {.now_ms = now_ms,
-             .needed = outcome.needed,
-             .missing = outcome.missing,
-             .stale = traffic_.stale_pages(),
-             .lod_bias = outcome.lod_bias,
-             .cache_pages = residency.cache().size(),
-             .gpu_bytes = sample.gpu_bytes,
-             .in_flight = requests.in_flight(),
-             .credits = window.answers(),
-             .round_trip_ms =
-                 sample.round_trip_ms > 0 ? sample.round_trip_ms : milliseconds(window.round_trip()),
-             .waiting_ms = waiting ? milliseconds(*waiting) : 0,
-             .bytes_received = sample.bytes_received,
-             .revision = sample.revision,
-             .counts = requests.counts(),
-             .evictions = residency.cache().evictions(),
-             .trouble = sample.trouble};
+    last_ = {
+        .now_ms = now_ms,
+        .needed = outcome.needed,
+        .missing = outcome.missing,
+        .stale = traffic_.stale_pages(),
+        .lod_bias = outcome.lod_bias,
+        .cache_pages = residency.cache().size(),
+        .gpu_bytes = sample.gpu_bytes,
+        .in_flight = requests.in_flight(),
+        .credits = window.answers(),
+        .round_trip_ms = sample.round_trip_ms > 0 ? sample.round_trip_ms : milliseconds(window.round_trip()),
+        .waiting_ms = waiting ? milliseconds(*waiting) : 0,
+        .bytes_received = sample.bytes_received,
+        .revision = sample.revision,
+        .counts = requests.counts(),
+        .evictions = residency.cache().evictions(),
+        .trouble = sample.trouble};
 }
 
 view::MetricsLine SessionMetrics::line() const {

@@ -4,14 +4,13 @@
 #include <optional>
 
 #include "client/residency/camera.h"
-#include "client/view/metrics/rolling_times.h"
-
 #include "client/residency/residency.h"
+#include "client/view/metrics/rolling_times.h"
 
 namespace tessera {
 
-/// How long people wait: for a view to become sharp once the camera rests, and for an edit to show once it was
-/// heard of. In milliseconds of the client's clock.
+/// How long people wait: for a view to become sharp once the camera rests, and for an edit to show once it
+/// was heard of. In milliseconds of the client's clock.
 class Waits {
   public:
     /// Once a frame. `told_revision` in `history`: what the client has heard of.

@@ -172,6 +172,7 @@ bool SessionReader::next(view::SessionEntry& entry) {
     }
     if (XXH3_64bits(packed.data(), packed.size()) != number_at<std::uint64_t>(head.data() + 8))
         return broken("is damaged");
+    if (ZSTD_getFrameContentSize(packed.data(), packed.size()) != raw_bytes) return broken("is damaged");
     std::string raw(raw_bytes, '\0');
     const std::size_t size = ZSTD_decompress(raw.data(), raw.size(), packed.data(), packed.size());
     if (ZSTD_isError(size) || size != raw.size() || !entry.ParseFromString(raw)) return broken("is damaged");

@@ -119,8 +119,8 @@ TEST_F(Session, PagesThatNoFrameShowedAreFetchedInVain) {
     // The coarsest pages cover what there is, and are shown but in the first frames
     EXPECT_LE(line.pages_shown(), line.pages_received());
     EXPECT_GE(line.pages_shown(), sampled.size());
-    EXPECT_DOUBLE_EQ(line.over_fetch(), static_cast<double>(line.pages_received()) /
-                                            static_cast<double>(line.pages_shown()));
+    EXPECT_DOUBLE_EQ(line.over_fetch(),
+                     static_cast<double>(line.pages_received()) / static_cast<double>(line.pages_shown()));
     EXPECT_LT(line.over_fetch(), 4) << "21 pages of the coarsest levels, and few others here";
 }
 
