@@ -19,13 +19,20 @@ class TexelBits {
 
     std::size_t words() const noexcept { return words_; }
     std::uint64_t* row(std::int32_t row) noexcept { return bits_.data() + std::size_t(row) * words_; }
+    void clear_row(std::int32_t index) noexcept { std::fill_n(row(index), words_, 0); }
     /// Sets [left, right) of a row, not empty.
-    void set(std::int32_t row_index, std::int32_t left, std::int32_t right) noexcept {
-        std::uint64_t* word = row(row_index) + left / 64;
-        std::uint64_t* const last = row(row_index) + (right - 1) / 64;
+    void set(std::int32_t index, std::int32_t left, std::int32_t right) noexcept {
+        std::uint64_t* const words = row(index);
+        for_words(left, right, [&](std::int32_t word, std::uint64_t bits) { words[word] |= bits; });
+    }
+    /// Calls `visit(word, bits)` for each word of a row that [left, right), not empty, has bits in.
+    template <class Visit>
+    static void for_words(std::int32_t left, std::int32_t right, const Visit& visit) {
+        std::int32_t word = left / 64;
+        const std::int32_t last = (right - 1) / 64;
         std::uint64_t bits = ~std::uint64_t{0} << left % 64;
-        for (; word != last; bits = ~std::uint64_t{0}) *word++ |= bits;
-        *word |= bits & ~std::uint64_t{0} >> (63 - (right - 1) % 64);
+        for (; word != last; bits = ~std::uint64_t{0}) visit(word++, bits);
+        visit(last, bits & ~std::uint64_t{0} >> (63 - (right - 1) % 64));
     }
 
   private:
@@ -68,12 +75,17 @@ class ExchangeWalk::Level0Band {
           rows_{std::min(block.height, band_rows)},
           covered_{block.width, rows_},
           blended_{block.width, rows_},
+          summed_{block.width, rows_},
+          met_{block.width, rows_},
           sums_(walk.sources_.size() * texels() * 4 + 64),
           linear_{walk.codes_ == nullptr ? walk.sources_.size() : 0, block.width, rows_} {}
 
     void begin(std::int32_t first, std::int32_t count) {
         first_ = first;
         count_ = count;
+        // The tile lies under all shapes: to copy all of it is cheaper than to find out where it shows
+        if (walk_.codes_ != nullptr)
+            for (std::int32_t row = 0; row < count; ++row) copy_tile(row, 0, block_.width);
     }
 
     /// A shape whose box begins at (x, y) of the block.
@@ -84,11 +96,8 @@ class ExchangeWalk::Level0Band {
         const std::int64_t to = std::min<std::int64_t>(first_ + count_, y + shape.height);
         for (std::int64_t at = from; at < to; ++at) {
             const auto row = static_cast<std::int32_t>(at - first_), line = static_cast<std::int32_t>(at - y);
-            const auto segments = shapes.row(shape, line);
-            if (!segments.empty())
-                prefetch(shape.from_x + segments.front().begin, shape.from_y + line + prefetch_rows,
-                         segments.back().end - segments.front().begin);
-            for (const Shapes::Segment& segment : segments) {
+            for (const Shapes::Segment& segment : shapes.row(shape, line)) {
+                if (x + segment.begin >= block_.width) break;
                 const auto left = static_cast<std::int32_t>(std::max<std::int64_t>(x + segment.begin, 0));
                 const auto right =
                     static_cast<std::int32_t>(std::min<std::int64_t>(x + segment.end, block_.width));
@@ -96,11 +105,11 @@ class ExchangeWalk::Level0Band {
                 const auto in_box = static_cast<std::int32_t>(left - x);
                 const std::int32_t u = shape.from_x + in_box, v = shape.from_y + line;
                 texels += static_cast<std::uint64_t>(right - left);
-                covered_.set(row, left, right);
+                if (walk_.codes_ == nullptr) covered_.set(row, left, right);
                 if (segment.weights == Shapes::Segment::all_one)
                     copy(&ExchangeTexels::exemplar, u, v, right - left, row, left);
                 else
-                    blend(shapes.weights(segment) + (in_box - segment.begin), u, v, row, left, right);
+                    blend({&segment, in_box - segment.begin, u, v, row, left, right});
             }
         }
         return texels;
@@ -108,32 +117,38 @@ class ExchangeWalk::Level0Band {
 
     /// Writes what was blended, and the tile where no shape is, and is ready for the next band.
     void finish() {
+        if (walk_.codes_ != nullptr) {
+            kernels().copy(copies_.data(), copies_.size());
+            copies_.clear();
+        }
+        for (const Run& run : runs_)
+            if (walk_.codes_ == nullptr || meets_others(run)) sum(run);
+        runs_.clear();
         kernels().blend(code_runs_.data(), code_runs_.size());
         kernels().blend_steps(step_runs_.data(), step_runs_.size());
         code_runs_.clear();
         step_runs_.clear();
         for (std::int32_t row = 0; row < count_; ++row) {
-            for_runs(blended_.row(row), block_.width, [&](std::int32_t left, std::int32_t right) {
+            for_runs(summed_.row(row), block_.width, [&](std::int32_t left, std::int32_t right) {
                 tile_runs(row, left, right,
                           [&](std::int32_t x, std::int32_t width, std::int32_t u, std::int32_t v) {
                               put_blended(row, x, width, u, v);
                           });
             });
-            std::uint64_t* const covered = covered_.row(row);
-            for (std::size_t i = 0; i < covered_.words(); ++i) covered[i] = ~covered[i];
-            for_runs(covered, block_.width, [&](std::int32_t left, std::int32_t right) {
-                tile_runs(row, left, right,
-                          [&](std::int32_t x, std::int32_t width, std::int32_t u, std::int32_t v) {
-                              copy(&ExchangeTexels::tile, u, v, width, row, x);
-                          });
-            });
-            std::fill_n(covered, covered_.words(), 0);
-            std::fill_n(blended_.row(row), blended_.words(), 0);
+            if (walk_.codes_ == nullptr) copy_uncovered(row);
+            for (TexelBits* bits : {&covered_, &blended_, &summed_, &met_}) bits->clear_row(row);
         }
         if (walk_.codes_ == nullptr) walk_.put(block_, first_, count_, linear_);
     }
 
   private:
+    /// Texels [left, right) of a row that show the exemplar from (u, v) on, with these weights.
+    struct Run {
+        const Shapes::Segment* segment;
+        std::int32_t in_segment;  ///< Where in it the run begins.
+        std::int32_t u, v, row, left, right;
+    };
+
     std::size_t texels() const { return std::size_t(block_.width) * std::size_t(rows_); }
     std::int32_t* sums(std::size_t source, std::int32_t row, std::int32_t x) {
         return sums_.data() +
@@ -158,20 +173,24 @@ class ExchangeWalk::Level0Band {
         }
     }
 
-    /// Rows of a box are far apart in the exemplar: no processor guesses where the next one lies.
-    static constexpr std::int32_t prefetch_rows = 3;
-    void prefetch(std::int32_t u, std::int32_t v, std::int32_t width) const {
-        const TexelSource& exemplar = walk_.sources_[0]->exemplar;
-        if (!exemplar.has_codes() || v >= exemplar.height()) return;
-        const std::uint8_t* texels = exemplar.code_row(v) + std::ptrdiff_t{u} * 4;
-        for (std::int32_t i = 0; i < width * 4 + 63; i += 64) __builtin_prefetch(texels + i);
+    void copy_tile(std::int32_t row, std::int32_t left, std::int32_t right) {
+        tile_runs(row, left, right, [&](std::int32_t x, std::int32_t width, std::int32_t u, std::int32_t v) {
+            copy(&ExchangeTexels::tile, u, v, width, row, x);
+        });
+    }
+    /// The tile where no shape is.
+    void copy_uncovered(std::int32_t row) {
+        std::uint64_t* const covered = covered_.row(row);
+        for (std::size_t i = 0; i < covered_.words(); ++i) covered[i] = ~covered[i];
+        for_runs(covered, block_.width,
+                 [&](std::int32_t left, std::int32_t right) { copy_tile(row, left, right); });
     }
 
     void copy(TexelSource ExchangeTexels::*image, std::int32_t u, std::int32_t v, std::int32_t width,
               std::int32_t row, std::int32_t x) {
         if (walk_.codes_ != nullptr) {
-            std::copy_n((walk_.sources_[0]->*image).code_row(v) + std::ptrdiff_t{u} * 4, width * 4,
-                        codes_at(row, x));
+            copies_.push_back(
+                {(walk_.sources_[0]->*image).code_row(v) + std::ptrdiff_t{u} * 4, codes_at(row, x), width});
             return;
         }
         for (std::size_t s = 0; s < walk_.sources_.size(); ++s) {
@@ -189,24 +208,45 @@ class ExchangeWalk::Level0Band {
         }
     }
 
-    /// weight·(content − tile) on top of what other shapes add: later, when what is read is near.
-    void blend(const std::uint16_t* weights, std::int32_t u, std::int32_t v, std::int32_t row,
-               std::int32_t left, std::int32_t right) {
-        blended_.set(row, left, right);
+    /// What becomes of the run if no other shape blends there is known; whether one does shows later.
+    void blend(const Run& run) {
+        std::uint64_t *blended = blended_.row(run.row), *met = met_.row(run.row);
+        TexelBits::for_words(run.left, run.right, [&](std::int32_t word, std::uint64_t bits) {
+            met[word] |= blended[word] & bits;
+            blended[word] |= bits;
+        });
+        runs_.push_back(run);
+        if (walk_.codes_ != nullptr)
+            copies_.push_back({walk_.sources_[0]->edges.of(*run.segment) + std::ptrdiff_t{run.in_segment} * 4,
+                               codes_at(run.row, run.left), run.right - run.left});
+    }
+    bool meets_others(const Run& run) {
+        std::uint64_t others = 0;
+        const std::uint64_t* met = met_.row(run.row);
+        TexelBits::for_words(run.left, run.right,
+                             [&](std::int32_t word, std::uint64_t bits) { others |= met[word] & bits; });
+        return others != 0;
+    }
+
+    /// weight·(content − tile) on top of what other shapes add.
+    void sum(const Run& run) {
         // The tile's rows go on as far as the widest box: a run never wraps
         const std::int64_t wrap = walk_.layout_.tile_side - 1;
-        const auto tile_u = static_cast<std::int32_t>((block_.x + left) & wrap);
-        const auto tile_v = static_cast<std::int32_t>((block_.y + first_ + row) & wrap);
+        const auto tile_u = static_cast<std::int32_t>((block_.x + run.left) & wrap);
+        const auto tile_v = static_cast<std::int32_t>((block_.y + first_ + run.row) & wrap);
+        const std::int32_t width = run.right - run.left;
+        const std::uint16_t* weights = walk_.layout_.shapes.weights(*run.segment) + run.in_segment;
+        summed_.set(run.row, run.left, run.right);
         for (std::size_t s = 0; s < walk_.sources_.size(); ++s) {
             const TexelSource &exemplar = walk_.sources_[s]->exemplar, &tile = walk_.sources_[s]->tile;
             if (tile.has_codes())
-                code_runs_.push_back({exemplar.code_row(v) + std::ptrdiff_t{u} * 4,
+                code_runs_.push_back({exemplar.code_row(run.v) + std::ptrdiff_t{run.u} * 4,
                                       tile.code_row(tile_v) + std::ptrdiff_t{tile_u} * 4, weights,
-                                      sums(s, row, left), right - left});
+                                      sums(s, run.row, run.left), width});
             else
-                step_runs_.push_back({exemplar.step_row(v) + std::ptrdiff_t{u} * 4,
+                step_runs_.push_back({exemplar.step_row(run.v) + std::ptrdiff_t{run.u} * 4,
                                       tile.step_row(tile_v) + std::ptrdiff_t{tile_u} * 4, weights,
-                                      sums(s, row, left), right - left});
+                                      sums(s, run.row, run.left), width});
         }
     }
 
@@ -235,8 +275,12 @@ class ExchangeWalk::Level0Band {
     const std::int32_t rows_;
     std::int32_t first_ = 0, count_ = 0;
     TexelBits covered_;               ///< By some shape.
-    TexelBits blended_;               ///< Sums are to be added to the tile.
+    TexelBits blended_;               ///< By some shape, with the tile or another.
+    TexelBits summed_;                ///< Sums are to be added to the tile.
+    TexelBits met_;                   ///< Blended by two shapes and more.
     std::vector<std::int32_t> sums_;  ///< Of each source, RGBA.
+    std::vector<Run> runs_;
+    std::vector<Kernels::CopyRun> copies_;
     std::vector<Kernels::BlendRun<std::uint8_t>> code_runs_;
     std::vector<Kernels::BlendRun<std::uint16_t>> step_runs_;
     SumRows linear_;

@@ -14,6 +14,7 @@ ExchangeTexels::ExchangeTexels(const ExchangeLayout& layout, TexelSource exempla
                                const TexelSource& tile_image)
     : exemplar{std::move(exemplar_image)},
       tile{tile_image.repeated(layout.tile_side + layout.shapes.widest())},
+      edges{exemplar.has_codes() ? EdgeCodes{layout.shapes, exemplar, tile} : EdgeCodes{}},
       tile_levels{tile_image},
       stamps{layout.shapes, layout.spans, exemplar, tile, layout.tile_level} {
     const int tile_level = layout.tile_level;
@@ -41,8 +42,8 @@ ExchangeTexels::ExchangeTexels(const ExchangeLayout& layout, TexelSource exempla
 }
 
 std::size_t ExchangeTexels::memory_bytes() const noexcept {
-    std::size_t bytes =
-        exemplar.memory_bytes() + tile.memory_bytes() + tile_levels.memory_bytes() + stamps.memory_bytes();
+    std::size_t bytes = exemplar.memory_bytes() + tile.memory_bytes() + edges.memory_bytes() +
+                        tile_levels.memory_bytes() + stamps.memory_bytes();
     for (const VariantImages& image : images) bytes += image.memory_bytes();
     if (nodes) bytes += nodes->memory_bytes();
     if (independent_sums) bytes += independent_sums->memory_bytes();

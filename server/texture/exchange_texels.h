@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "server/texture/edge_codes.h"
 #include "server/texture/exchange_layout.h"
 #include "server/texture/stamps.h"
 #include "server/texture/texel_source.h"
@@ -15,6 +16,7 @@ namespace tessera {
 struct ExchangeTexels {
     TexelSource exemplar;
     TexelSource tile;  ///< Repeated to the right as far as the widest box.
+    EdgeCodes edges;   ///< Where the images have codes.
     TileLevels tile_levels;
     Stamps stamps;
     std::vector<VariantImages> images;  ///< choice: typed: of the levels up to the unit's, finest first.

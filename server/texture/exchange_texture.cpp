@@ -106,6 +106,7 @@ std::string CompiledExchange::description() const {
          << " texels\n";
     line("level 0: exemplar and tile", texels.exemplar.memory_bytes() + texels.tile.memory_bytes());
     line("level 0: shapes and blending weights", layout.shapes.memory_bytes());
+    line("level 0: blended codes", texels.edges.memory_bytes());
     line("tile, levels 1 to " + std::to_string(layout.tile_level), texels.tile_levels.memory_bytes());
     line("stamps, levels 1 to " + std::to_string(layout.tile_level), texels.stamps.memory_bytes());
     if (layout.choice == Choice::typed) {

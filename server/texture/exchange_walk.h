@@ -11,7 +11,8 @@
 namespace tessera {
 
 /// One evaluation: finds out once what is shown, and sums it for one or several images side by side.
-/// exchange_pages.cpp picks the way for each level, exchange_level_0.cpp copies and blends texels.
+/// exchange_pages.cpp picks the way for each level, exchange_level_0.cpp copies and blends texels,
+/// exchange_one_texel.cpp a single one.
 class ExchangeWalk {
   public:
     using TakeRow = ExchangeData::TakeRow;
@@ -59,6 +60,8 @@ class ExchangeWalk {
     class Level0Band;
 
     Result<Evaluation> evaluate_block(const Block& block, const Budget& budget) const;
+    /// A block of one texel of level 0, as a code, of typed choices.
+    Result<Evaluation> one_texel(const Block&, const Budget&) const;
     Result<Evaluation> blend_texels(const Block&, const Budget&) const;
     Result<Evaluation> sum_stamps(const Block&, const Budget&) const;
     Result<Evaluation> sum_variants(std::size_t image, const Block&, const Budget&) const;

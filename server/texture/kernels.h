@@ -59,6 +59,15 @@ struct Kernels {
     /// tile + sums / weight_one, rounded, as sRGB codes, opaque; leaves zero sums.
     void (*encode_blended)(std::int32_t* sums, const std::uint8_t* tile, std::int32_t width,
                            std::uint8_t* rgba);
+
+    /// A run of texels to be copied: RGBA.
+    struct CopyRun {
+        const std::uint8_t* from;
+        std::uint8_t* to;
+        std::int32_t width;
+    };
+    /// Copies one run after the other. Many at once: while one is copied, those that come are fetched.
+    void (*copy)(const CopyRun* runs, std::size_t count);
 };
 
 /// The best that this processor runs; `TESSERA_KERNELS=x86-64|avx2|avx512` in the environment asks for less.

@@ -53,6 +53,7 @@ class Shapes {
     const std::uint16_t* weights(const Segment& segment) const noexcept {
         return weights_.data() + segment.weights;
     }
+    std::size_t weight_count() const noexcept { return weights_.size(); }  ///< And room behind.
     /// Shapes of a patch: [first_of(p), first_of(p + 1)).
     std::uint32_t first_of(std::size_t patch) const noexcept { return first_of_[patch]; }
     std::size_t patch_count() const noexcept { return first_of_.size() - 1; }

@@ -1,5 +1,6 @@
 #include "server/texture/typed_quadtree.h"
 
+#include <bit>
 #include <utility>
 
 #include "shared/math/hash.h"
@@ -29,6 +30,29 @@ TypedQuadtree::TypedQuadtree(std::uint64_t seed, std::uint32_t types, int below)
     }
 }
 
+std::uint16_t TypedQuadtree::root(std::int64_t x, std::int64_t y, std::int64_t z) const noexcept {
+    std::uint64_t roots = stream("typed quadtree roots");
+    if (z != 0) roots = mix(roots + 0x9e3779b97f4a7c15u * static_cast<std::uint64_t>(z));
+    return static_cast<std::uint16_t>(uniform_below(hash(seed_, roots, x, y), types_));
+}
+
+TypedQuadtree::Square TypedQuadtree::square_at(std::int64_t x, std::int64_t y, int across,
+                                               int down) const noexcept {
+    Square square;
+    // Neighbours mostly have one parent not far above: one path down to it, then one for each of them
+    const auto apart = static_cast<std::uint64_t>((x ^ (x + across)) | (y ^ (y + down)));
+    const auto common = static_cast<int>(std::bit_width(apart));
+    const bool one_root = common <= top_;
+    const std::uint16_t shared =
+        one_root ? descend(root(x >> top_, y >> top_, 0), top_, common, x, y) : std::uint16_t{0};
+    for (int v = 0; v <= down; ++v)
+        for (int u = 0; u <= across; ++u)
+            square.at[std::size_t(v)][std::size_t(u)] =
+                one_root ? descend(shared, common, 0, x + u, y + v)
+                         : descend(root((x + u) >> top_, (y + v) >> top_, 0), top_, 0, x + u, y + v);
+    return square;
+}
+
 TypeGrid TypedQuadtree::types_of(int height, std::int64_t x, std::int64_t y, std::int32_t width,
                                  std::int32_t height_nodes, std::int64_t z) const {
     // The nodes over the rectangle at each height, from the roots down
@@ -46,12 +70,9 @@ TypeGrid TypedQuadtree::types_of(int height, std::int64_t x, std::int64_t y, std
     // Two grids take turns, each as large as it will ever be
     grid.types.reserve(std::size_t(width + 2) * std::size_t(height_nodes + 2));
     below.types.reserve(grid.types.capacity());
-    std::uint64_t roots = stream("typed quadtree roots");
-    if (z != 0) roots = mix(roots + 0x9e3779b97f4a7c15u * static_cast<std::uint64_t>(z));
     for (std::int64_t row = 0; row < grid.height; ++row)
         for (std::int64_t column = 0; column < grid.width; ++column)
-            grid.types.push_back(static_cast<std::uint16_t>(
-                uniform_below(hash(seed_, roots, grid.x + column, grid.y + row), types_)));
+            grid.types.push_back(root(grid.x + column, grid.y + row, z));
 
     int at_height = top_;
     if (grid.types.size() == 1) {

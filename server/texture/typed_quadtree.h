@@ -62,6 +62,13 @@ class TypedQuadtree {
     TypeGrid types_of(int height, std::int64_t x, std::int64_t y, std::int32_t width,
                       std::int32_t height_nodes, std::int64_t z = 0) const;
 
+    /// The types of the leaves (x, y) to (x + across, y + down); across and down are 0 or 1. As types_of(),
+    /// without any allocation.
+    struct Square {
+        std::array<std::array<std::uint16_t, 2>, 2> at{};  ///< [down][across]
+    };
+    Square square_at(std::int64_t x, std::int64_t y, int across, int down) const noexcept;
+
     /// The same for trees that are the same.
     std::string name() const {
         return std::to_string(seed_) + '/' + std::to_string(types_) + '/' + std::to_string(below_);
@@ -70,6 +77,17 @@ class TypedQuadtree {
     std::size_t memory_bytes() const noexcept { return children_.size() * sizeof children_[0]; }
 
   private:
+    std::uint16_t root(std::int64_t x, std::int64_t y, std::int64_t z) const noexcept;
+    /// The type of the node of `height` over the leaf, from that of the node of `from` on.
+    std::uint16_t descend(std::uint16_t type, int from, int height, std::int64_t x,
+                          std::int64_t y) const noexcept {
+        while (from > height) {
+            const int up = from - 1;
+            type = children(from--, type)[static_cast<std::size_t>(((x >> up) & 1) | ((y >> up) & 1) << 1)];
+        }
+        return type;
+    }
+
     std::uint64_t seed_;
     std::uint32_t types_;
     int below_;

@@ -150,6 +150,18 @@ TEST_P(ExchangeLaws, AnyWindowOnALevelShowsTheSameTexels) {
     }
 }
 
+TEST_P(ExchangeLaws, ATexelAloneIsThatOfItsPage) {
+    for (const std::int64_t origin : {std::int64_t{0}, std::int64_t{-64}, (std::int64_t{1} << 37) - 50}) {
+        const TexelRegion whole{0, origin - 31, origin + 5, 100, 90};
+        const Rgba8Image page = codes(*texture_, whole);
+        for (std::int32_t y = 0; y < whole.height; ++y)
+            for (std::int32_t x = y % 3; x < whole.width; x += 3)
+                ASSERT_TRUE(std::equal(page.row(y) + 4 * x, page.row(y) + 4 * x + 4,
+                                       codes(*texture_, {0, whole.x + x, whole.y + y, 1, 1}).row(0)))
+                    << x << ", " << y;
+    }
+}
+
 TEST_P(ExchangeLaws, ManyThreadsGiveTheBytesOfOne) {
     const TexelRegion region{2, 100, -900, 128, 128};
     const Rgba8Image alone = codes(*texture_, region);

@@ -74,6 +74,23 @@ TEST(Kernels, BlendAddsTheWeightedDifferenceFromTheTile) {
     }
 }
 
+TEST(Kernels, CopiesRunsOfEveryWidthOneAfterTheOtherAndNoMore) {
+    std::vector<std::uint8_t> from;
+    for (std::int64_t i = 0; i < 4096; ++i) from.push_back(static_cast<std::uint8_t>(random(i, 400)));
+    for (std::size_t k = 0; k < available_kernels().count; ++k) {
+        std::vector<std::uint8_t> to(from.size(), 77), expected = to;
+        std::vector<Kernels::CopyRun> runs;
+        for (std::int32_t width = 1; width < 50; ++width) {
+            // Later ones over earlier ones
+            const std::ptrdiff_t source = width * 17 % 500 * 4, target = width * 31 % 700 * 4;
+            runs.push_back({from.data() + source, to.data() + target, width});
+            std::copy_n(from.begin() + source, width * 4, expected.begin() + target);
+        }
+        available_kernels().items[k]->copy(runs.data(), runs.size());
+        ASSERT_EQ(to, expected) << available_kernels().items[k]->name;
+    }
+}
+
 TEST(Kernels, BlendStepsAddsTheSameOfSteps) {
     constexpr std::int32_t width = 37;
     std::vector<std::uint16_t> content, tile, weights;

@@ -19,6 +19,20 @@ TEST(TypedQuadtree, ANodeHasOneTypeWhateverRectangleAsksForIt) {
         }
 }
 
+TEST(TypedQuadtree, FourLeavesAloneAreThoseOfTheirRectangle) {
+    const TypedQuadtree tree{11, 128};
+    for (const std::int64_t at :
+         {std::int64_t{-1}, std::int64_t{0}, std::int64_t{7}, (std::int64_t{1} << 36) - 1})
+        for (const int across : {0, 1})
+            for (const int down : {0, 1}) {
+                const TypeGrid grid = tree.types_of(0, at, -at, 2, 2);
+                const TypedQuadtree::Square square = tree.square_at(at, -at, across, down);
+                for (std::int64_t y = 0; y <= down; ++y)
+                    for (std::int64_t x = 0; x <= across; ++x)
+                        ASSERT_EQ(square.at[std::size_t(y)][std::size_t(x)], grid.at(at + x, -at + y));
+            }
+}
+
 TEST(TypedQuadtree, AParentDecidesItsChildren) {
     const TypedQuadtree tree{7, 1024};
     for (const int height : {1, 4, 30}) {
