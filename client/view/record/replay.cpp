@@ -24,20 +24,34 @@ class Replay {
     /// What is wrong with it, if it cannot be gone on with; else an entry that was dealt with.
     Result<void> take(const view::SessionEntry& entry) {
         if (entry.has_head()) return begin(entry.head());
-        if (scenes_.empty())
-            return Error{ErrorCode::invalid_input, "the recording does not begin with a head"};
-        if (entry.has_frame()) return frame(entry.frame());
-        if (entry.has_heights()) {
-            auto heights = read_heights(entry.heights());
-            if (!heights) return heights.error();
-            heights_ = std::move(*heights);
-        } else if (entry.has_pattern()) {
-            return pattern(entry.pattern());
-        } else if (entry.entry_case() == view::SessionEntry::kResizeSlots) {
-            for (const auto& scene : scenes_)
-                if (const auto done = scene->resize(entry.resize_slots()); !done) return done.error();
-        } else if (entry.has_end()) {
-            report.end = entry.end().reason();
+        if (!painter_) return Error{ErrorCode::invalid_input, "the recording does not begin with a head"};
+        switch (entry.entry_case()) {
+            case view::SessionEntry::kFrame:
+                return frame(entry.frame());
+            case view::SessionEntry::kPicture:
+                return picture(entry.picture());
+            case view::SessionEntry::kPattern:
+                return pattern(entry.pattern());
+            case view::SessionEntry::kSecond:
+                return begin_second(entry.second());
+            case view::SessionEntry::kEndSecond:
+                end_second();
+                break;
+            case view::SessionEntry::kHeights: {
+                auto heights = read_heights(entry.heights());
+                if (!heights) return heights.error();
+                heights_ = std::move(*heights);
+                break;
+            }
+            case view::SessionEntry::kResizeSlots:
+                for (PlaneScene* scene : scenes())
+                    if (const auto done = scene->resize(entry.resize_slots()); !done) return done.error();
+                break;
+            case view::SessionEntry::kEnd:
+                report.end = entry.end().reason();
+                break;
+            default:
+                break;
         }
         return {};
     }
@@ -47,67 +61,74 @@ class Replay {
 
   private:
     Result<void> begin(const view::SessionHead& head) {
-        if (!scenes_.empty() || head.caches().empty() || head.caches_size() > 2 ||
-            head.extent_n() > max_level)
+        if (painter_ || head.extent_n() > max_level)
             return Error{ErrorCode::invalid_input, "the recording's head is broken"};
         report.scene = head.scene();
         report.recorded_by = head.program();
         report.recorded_with = head.renderer();
         extent_ = Extent{static_cast<std::uint8_t>(head.extent_n())};
-        for (const view::CacheSettings& message : head.caches()) {
-            const auto settings = read_settings(message);
-            if (!settings) return settings.error();
-            auto scene = PlaneScene::make(extent_, *sources_.emplace_back(std::make_unique<PlayedSource>()),
-                                          *settings);
-            if (!scene) return scene.error();
-            scenes_.push_back(std::move(*scene));
-        }
-        painter_.emplace(*scenes_[0], scenes_.size() > 1 ? scenes_[1].get() : nullptr);
+        if (const auto made = first_.make(extent_, head.cache()); !made) return made.error();
+        painter_.emplace(*first_.scene);
         return {};
     }
 
+    Result<void> begin_second(const view::CacheSettings& settings) {
+        painter_->set_second(nullptr);
+        if (const auto made = second_.make(extent_, settings); !made) return made.error();
+        painter_->set_second(second_.scene.get());
+        return {};
+    }
+
+    void end_second() {
+        painter_->set_second(nullptr);
+        second_ = {};
+    }
+
     Result<void> frame(const view::RecordedFrame& message) {
-        const auto frame = read_frame(message, heights_);
+        auto frame = read_frame(message, heights_);
         if (!frame) return frame.error();
         const PlanePoint& at = frame->camera.ground;
         if (at.x < 0 || at.y < 0 || at.x >= extent_.side_texels() || at.y >= extent_.side_texels())
             return Error{ErrorCode::invalid_input, "a recorded camera lies outside the extent"};
-        if (message.sources_size() != static_cast<int>(sources_.size()))
+        if (message.sources_size() != (second_.scene ? 2 : 1))
             return Error{ErrorCode::invalid_input, "a recorded frame lacks what a source of pages said"};
-        for (std::size_t i = 0; i < sources_.size(); ++i)
-            sources_[i]->begin_frame(message.sources(static_cast<int>(i)));
-        painter_->update(*frame);
-        for (const auto& source : sources_)
-            if (!source->is_same()) differ("asks for other pages than when it was recorded");
-        if (message.drawn() && !draw(*frame, message)) wants_more_ = false;
+        first_.source->begin_frame(message.sources(0));
+        if (second_.scene) second_.source->begin_frame(message.sources(1));
         ++report.frames;
+        painter_->update(*frame);
+        if (!first_.source->is_same() || (second_.scene && !second_.source->is_same()))
+            differ("asks for other pages than when it was recorded");
+        last_ = std::move(*frame);
         return {};
     }
 
-    bool draw(const ViewFrame& frame, const view::RecordedFrame& message) {
-        if (!target_ || target_->width() != frame.width || target_->height() != frame.height)
-            target_.emplace(frame.width, frame.height);
-        if (const auto drawn = painter_->draw(frame, *target_); !drawn) differ(drawn.error().detail);
+    Result<void> picture(const view::RecordedPicture& message) {
+        if (!last_) return Error{ErrorCode::invalid_input, "a recorded picture comes before its frame"};
+        if (!target_ || target_->width() != last_->width || target_->height() != last_->height)
+            target_.emplace(last_->width, last_->height);
+        if (const auto drawn = painter_->draw(*last_, *target_); !drawn) differ(drawn.error().detail);
         ++report.drawn;
-        if (message.has_hash()) {
-            ++report.hashed;
-            const std::uint64_t hash = hash_of_picture(target_->read());
-            if (hash == message.hash()) {
-                ++report.equal;
-            } else {
-                char words[80];
-                std::snprintf(words, sizeof words, "hash %016llx, recorded %016llx",
-                              static_cast<unsigned long long>(hash),
-                              static_cast<unsigned long long>(message.hash()));
-                differ(words);
-            }
+        if (message.has_hash()) compare(message.hash());
+        wants_more_ = shown_(*target_, report.frames);
+        return {};
+    }
+
+    void compare(std::uint64_t recorded) {
+        ++report.hashed;
+        const std::uint64_t hash = hash_of_picture(target_->read());
+        if (hash == recorded) {
+            ++report.equal;
+            return;
         }
-        return shown_(*target_, report.frames);
+        char words[80];
+        std::snprintf(words, sizeof words, "hash %016llx, recorded %016llx",
+                      static_cast<unsigned long long>(hash), static_cast<unsigned long long>(recorded));
+        differ(words);
     }
 
     Result<void> pattern(const view::HeldPattern& message) {
         if (message.forget_all()) {
-            for (const auto& scene : scenes_) scene->held_patterns().forget_patterns();
+            for (PlaneScene* scene : scenes()) scene->held_patterns().forget_patterns();
             return {};
         }
         const std::int64_t side = message.side();
@@ -116,7 +137,7 @@ class Replay {
             return Error{ErrorCode::invalid_input, "a recorded pattern is broken"};
         Rgba8Image image{message.side(), message.side()};
         std::copy(message.texels().begin(), message.texels().end(), image.bytes.begin());
-        for (const auto& scene : scenes_)
+        for (PlaneScene* scene : scenes())
             scene->held_patterns().set_pattern(message.pattern(), image, message.side_texels());
         return {};
     }
@@ -126,10 +147,30 @@ class Replay {
             report.differences.push_back({report.frames, std::move(what)});
     }
 
+    std::vector<PlaneScene*> scenes() const {
+        if (second_.scene) return {first_.scene.get(), second_.scene.get()};
+        return {first_.scene.get()};
+    }
+
+    struct Played {
+        std::unique_ptr<PlayedSource> source;  // the scene uses it
+        std::unique_ptr<PlaneScene> scene;
+        Result<void> make(Extent extent, const view::CacheSettings& message) {
+            const auto settings = read_settings(message);
+            if (!settings) return settings.error();
+            scene.reset();
+            source = std::make_unique<PlayedSource>();
+            auto made = PlaneScene::make(extent, *source, *settings);
+            if (!made) return made.error();
+            scene = std::move(*made);
+            return {};
+        }
+    };
+
     const std::function<bool(const FrameTarget&, std::uint64_t)>& shown_;
     Extent extent_{0};
-    std::vector<std::unique_ptr<PlayedSource>> sources_;  // the scenes use them
-    std::vector<std::unique_ptr<PlaneScene>> scenes_;
+    Played first_, second_;
+    std::optional<ViewFrame> last_;
     std::optional<FramePainter> painter_;
     std::optional<FrameTarget> target_;
     std::shared_ptr<const HeightImage> heights_;

@@ -20,23 +20,36 @@ SessionRecorder::SessionRecorder(std::unique_ptr<SessionWriter> writer, std::uin
 
 SessionRecorder::~SessionRecorder() { end("closed"); }
 
-PageSource& SessionRecorder::add_source(PageSource& source, const ResidencySettings& settings) {
-    settings_.push_back(settings);
-    return *sources_.emplace_back(std::make_unique<RecordingSource>(source));
-}
-
-void SessionRecorder::begin(const std::string& scene, Extent extent) {
+PageSource& SessionRecorder::begin(const std::string& scene, Extent extent, PageSource& source,
+                                   const ResidencySettings& settings) {
     view::SessionEntry entry;
     view::SessionHead& head = *entry.mutable_head();
     head.set_program("tessera-view " TESSERA_VERSION);
     head.set_scene(scene);
     head.set_extent_n(extent.n);
-    for (const ResidencySettings& settings : settings_) write_settings(settings, *head.add_caches());
+    write_settings(settings, *head.mutable_cache());
     head.set_renderer(gl_description());
     add(entry);
+    source_ = std::make_unique<RecordingSource>(source);
+    return *source_;
 }
 
-void SessionRecorder::frame(const ViewFrame& frame, bool drawn, std::optional<std::uint64_t> hash) {
+PageSource& SessionRecorder::begin_second(PageSource& source, const ResidencySettings& settings) {
+    view::SessionEntry entry;
+    write_settings(settings, *entry.mutable_second());
+    add(entry);
+    second_ = std::make_unique<RecordingSource>(source);
+    return *second_;
+}
+
+void SessionRecorder::end_second() {
+    view::SessionEntry entry;
+    entry.set_end_second(true);
+    add(entry);
+    second_.reset();
+}
+
+void SessionRecorder::frame(const ViewFrame& frame) {
     view::SessionEntry entry;
     if (frame.surface.heights && frame.surface.heights != heights_) {
         heights_ = frame.surface.heights;
@@ -45,9 +58,8 @@ void SessionRecorder::frame(const ViewFrame& frame, bool drawn, std::optional<st
     }
     view::RecordedFrame& message = *entry.mutable_frame();
     write_frame(frame, message);
-    for (const auto& source : sources_) *message.add_sources() = source->take_frame();
-    message.set_drawn(drawn);
-    if (hash) message.set_hash(*hash);
+    *message.add_sources() = source_->take_frame();
+    if (second_) *message.add_sources() = second_->take_frame();
     if (has_ended_) return;
     ++frames_;
     add(entry);
@@ -55,6 +67,13 @@ void SessionRecorder::frame(const ViewFrame& frame, bool drawn, std::optional<st
         problem_ = "the limit of " + std::to_string(most_bytes_ / 1'000'000) + " MB is reached";
         end(problem_);
     }
+}
+
+void SessionRecorder::picture(std::optional<std::uint64_t> hash) {
+    view::SessionEntry entry;
+    view::RecordedPicture& message = *entry.mutable_picture();
+    if (hash) message.set_hash(*hash);
+    add(entry);
 }
 
 void SessionRecorder::pattern(std::int32_t pattern, const Rgba8Image& image, double side_texels) {

@@ -5,7 +5,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "client/view/record/recorded_source.h"
 #include "client/view/record/session_file.h"
@@ -23,13 +22,18 @@ class SessionRecorder {
                                                          std::uint64_t most_bytes);
     ~SessionRecorder();  ///< Writes the end.
 
-    /// The source that the scene is to be made with, in place of this one; before begin().
-    PageSource& add_source(PageSource& source, const ResidencySettings& settings);
-    /// Once, before the first frame. Needs a current context.
-    void begin(const std::string& scene, Extent extent);
+    /// Once, before all others. Returns the source that the scene is to be made with in place of this one.
+    /// Needs a current context.
+    PageSource& begin(const std::string& scene, Extent extent, PageSource& source,
+                      const ResidencySettings& settings);
+    /// The same for a second scene, until end_second().
+    PageSource& begin_second(PageSource& source, const ResidencySettings& settings);
+    void end_second();
 
-    /// After each FramePainter::update(). `hash`: of the picture (hash_of_picture), if it was drawn and read.
-    void frame(const ViewFrame& frame, bool drawn, std::optional<std::uint64_t> hash);
+    /// After each FramePainter::update().
+    void frame(const ViewFrame& frame);
+    /// The last frame was drawn. `hash`: of the picture (hash_of_picture), if it was read.
+    void picture(std::optional<std::uint64_t> hash);
     /// As HeldSprites::set_pattern() and forget_patterns().
     void pattern(std::int32_t pattern, const Rgba8Image& image, double side_texels);
     void forget_patterns();
@@ -45,8 +49,7 @@ class SessionRecorder {
 
     std::unique_ptr<SessionWriter> writer_;
     std::uint64_t most_bytes_;
-    std::vector<std::unique_ptr<RecordingSource>> sources_;
-    std::vector<ResidencySettings> settings_;
+    std::unique_ptr<RecordingSource> source_, second_;
     std::shared_ptr<const HeightImage> heights_;
     std::uint64_t frames_ = 0;
     bool has_ended_ = false;

@@ -24,6 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using testing::LinkSettings;
 using testing::SimulatedStream;
 
 constexpr Extent extent{14};
@@ -51,12 +52,13 @@ class Record : public ::testing::Test {
                                 .most_delay_ms = 30},
                                paint};
         const ResidencySettings settings{.slots = 96, .stand_ins = 4};
-        PageSource& source = recorder.add_source(stream, settings);
+        PageSource& source = recorder.begin("made", extent, stream, settings);
         auto scene = PlaneScene::make(extent, source, settings);
         if (!scene) throw std::runtime_error{scene.error().detail};
-        recorder.begin("made", extent);
         FramePainter painter{**scene};
         const auto heights = std::make_shared<HeightImage>(2, 2, std::vector<std::uint16_t>{0, 300, 90, 700});
+        std::unique_ptr<SimulatedStream> split_source;
+        std::unique_ptr<PlaneScene> split_scene;
         std::vector<std::uint64_t> hashes;
         ClientTime now{1};
         for (int i = 0; i < frames; ++i, now += ClientTime{16}) {
@@ -80,17 +82,32 @@ class Record : public ::testing::Test {
                 frame.surface = {.kind = Surface::Kind::terrain, .heights = heights};
             if (i % 6 == 0 && i > 0) stream.edit({painter.scene().residency().table().centre_page(2)});
             if (i == 20) stream.disconnect(100, false);
-            const ResidencyFrame outcome = painter.update(frame);
-            const bool is_drawn = i % 4 != 3;
-            if (!is_drawn) {
-                recorder.frame(frame, false, std::nullopt);
+            if (!is_plain && i % 13 == 5) {
+                split_source = std::make_unique<SimulatedStream>(LinkSettings{}, paint, 7);
+                split_scene = std::move(
+                    PlaneScene::make(extent, recorder.begin_second(*split_source, settings), settings)
+                        .value());
+                painter.set_second(split_scene.get());
+            }
+            if (split_source) {
+                split_source->advance(now);
+                frame.split = SplitChoice{.at = 0.6, .is_second = true};
+            }
+            painter.update(frame);
+            recorder.frame(frame);
+            if (split_source && i % 13 == 9) {
+                recorder.end_second();
+                painter.set_second(nullptr);
+                split_scene.reset();
+                split_source.reset();
                 continue;
             }
+            if (i % 4 == 3) continue;
             const FrameTarget target{frame.width, frame.height};
             if (const auto drawn = painter.draw(frame, target); !drawn)
                 throw std::runtime_error{drawn.error().detail};
             hashes.push_back(hash_of_picture(target.read()));
-            recorder.frame(frame, true, hashes.back());
+            recorder.picture(hashes.back());
         }
         return hashes;
     }
