@@ -111,22 +111,21 @@ class NestedDitherOp final : public DitherOp {
     using DitherOp::DitherOp;
 
     void run(const Stretch& stretch, const std::int32_t* const*, std::int32_t* out) const override {
-        std::uint32_t thresholds[stretch_cells + max_reach];
-        NestedThresholds{base_, stretch.z}.row(stretch.x, stretch.y, stretch.count, thresholds);
+        // Weights are of side² in all: no digit behind log2 can matter
         const int log2 = map_->cells_log2;
-        const std::uint64_t side = std::uint64_t{1} << log2;
-        for (std::int32_t i = 0; i < stretch.count; ++i) {
-            const Between at = between(stretch.x + i, stretch.y);
-            const std::uint64_t left = side - at.column, above = side - at.row;
-            // Of side² in all, scaled to the 2^32 of thresholds
-            const int shift = 32 - 2 * log2;
-            const std::uint64_t ends[3] = {(left * above) << shift, (side * above) << shift,
-                                           (side * above + left * at.row) << shift};
-            const std::uint64_t threshold = thresholds[i];
-            const int right = threshold >= ends[2] || (threshold >= ends[0] && threshold < ends[1]);
-            const int down = threshold >= ends[1];
-            out[i] = map_->entry(at.node_x + right, at.node_y + down);
-        }
+        std::uint32_t thresholds[stretch_cells + max_reach];
+        NestedThresholds{base_, stretch.z}.row(stretch.x, stretch.y, stretch.count, thresholds, log2);
+        const Between at = between(stretch.x, stretch.y);
+        const auto column =
+            static_cast<std::int32_t>((stretch.x - map_->x) & ((std::int64_t{1} << log2) - 1));
+        const std::int32_t nodes = ((column + stretch.count - 1) >> log2) + 2;
+        constexpr std::int32_t below = stretch_cells + max_reach + 2;
+        std::int32_t top[2 * below];
+        read_entries(*map_, at.node_x, at.node_y, nodes, top);
+        read_entries(*map_, at.node_x, at.node_y + 1, nodes, top + below);
+        block_kernels().dither_nested({stretch.count, log2, column, static_cast<std::int32_t>(at.row),
+                                       sampling_ != Sampling::dithered_y},
+                                      thresholds, top, below, out);
     }
 };
 

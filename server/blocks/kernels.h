@@ -36,18 +36,38 @@ struct BlockKernels {
     void (*nest)(const std::uint32_t* first, const std::uint32_t* second, std::uint32_t x, int right_log2,
                  std::uint32_t down, std::int32_t cells, std::uint32_t* digits);
 
-    void (*look_up)(const std::int32_t* table, const std::int32_t* in, std::int32_t cells, std::int32_t* out);
+    /// Nested thresholds against the four weights of the nodes around a cell: all in one row of cells.
+    struct NestedRun {
+        std::int32_t cells;
+        int cells_log2;       ///< 1 to 16.
+        std::int32_t column;  ///< The first cell's, from the node left of it.
+        std::int32_t row;     ///< Of all of them, from the nodes above.
+        bool across;          ///< Whether the map is dithered along x.
+    };
+    /// `nodes`, `below`: as for dither_close.
+    void (*dither_nested)(const NestedRun& run, const std::uint32_t* thresholds, const std::int32_t* nodes,
+                          std::int32_t below, std::int32_t* out);
+
+    /// `size`: of `table`; small ones are faster.
+    void (*look_up)(const std::int32_t* table, std::int32_t size, const std::int32_t* in, std::int32_t cells,
+                    std::int32_t* out);
     void (*look_up_types)(const std::int32_t* table, const std::uint16_t* types, std::int32_t cells,
                           std::int32_t* out);
     /// out = table[row·stride + column]
-    void (*look_up_pairs)(const std::int32_t* table, std::int32_t stride, const std::int32_t* row,
-                          const std::int32_t* column, std::int32_t cells, std::int32_t* out);
+    void (*look_up_pairs)(const std::int32_t* table, std::int32_t size, std::int32_t stride,
+                          const std::int32_t* row, const std::int32_t* column, std::int32_t cells,
+                          std::int32_t* out);
+    /// Texels of four bytes: out = codes[image]. There are `count` of them, from number `least` on.
+    void (*copy_texels)(const unsigned char* codes, std::int32_t least, std::int32_t count,
+                        const std::int32_t* images, std::int32_t cells, unsigned char* out);
     /// out = c0 | c1 << bits | c2 << 2·bits | c3 << 3·bits
     void (*join_corners)(const std::int32_t* const* corners, int bits, std::int32_t cells, std::int32_t* out);
     /// Adds to each of `sums` integers, four by four, those that the next `run` cells' indices name in
     /// `table`.
     void (*add_colours)(const std::int64_t* table, const std::int32_t* indices, std::int32_t run,
                         std::int32_t sums, std::int64_t* out);
+    /// out = sums / unit, rounded to double, then to float.
+    void (*divide)(const std::int64_t* sums, double unit, std::int32_t count, float* out);
 };
 
 /// The best that this processor runs; `TESSERA_KERNELS=x86-64|avx2|avx512` in the environment asks for less.

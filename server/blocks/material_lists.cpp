@@ -92,7 +92,8 @@ ListTable::ListTable(Compilation& c, std::vector<MaterialList> lists, std::vecto
 void ListTable::look_up(const std::int32_t* codes, const std::int32_t* indices, std::int32_t cells,
                         std::int32_t* out) const {
     if (!table_.empty())
-        return block_kernels().look_up_pairs(table_.data(), stride_, codes, indices, cells, out);
+        return block_kernels().look_up_pairs(table_.data(), static_cast<std::int32_t>(table_.size()), stride_,
+                                             codes, indices, cells, out);
     for (std::int32_t i = 0; i < cells; ++i) {
         const MaterialList& list = lists_[list_of_code_[static_cast<std::size_t>(codes[i])]];
         out[i] = list.entry(index_.entry(static_cast<std::uint32_t>(indices[i]), list.total));
@@ -100,7 +101,9 @@ void ListTable::look_up(const std::int32_t* codes, const std::int32_t* indices, 
 }
 
 void ListTable::look_up(const std::int32_t* indices, std::int32_t cells, std::int32_t* out) const {
-    if (!table_.empty()) return block_kernels().look_up(table_.data(), indices, cells, out);
+    if (!table_.empty())
+        return block_kernels().look_up(table_.data(), static_cast<std::int32_t>(table_.size()), indices,
+                                       cells, out);
     const MaterialList& list = lists_.front();
     for (std::int32_t i = 0; i < cells; ++i)
         out[i] = list.entry(index_.entry(static_cast<std::uint32_t>(indices[i]), list.total));

@@ -32,6 +32,8 @@ constexpr int enumerated_levels(Accuracy accuracy) {
 /// And exact on, up to here, as long as the expectation would be off by more than half a code: a page of such
 /// texels takes about two seconds.
 constexpr int most_enumerated_levels = 7;
+constexpr int most_nested_levels = 6;  ///< Nested thresholds take longer, …
+constexpr int most_moving_levels = 5;  ///< … and animations, at each step anew.
 constexpr double half_a_code = 0.5;
 
 /// Cells of a row that are summed at a time.
@@ -56,11 +58,12 @@ class DrawnCells final : public PatternTexture {
         for (const auto& mean : means_.means) range.add(mean);
         width_ = range.width();
         expectation_.emplace(program_, means_, width_);
-        // Nested thresholds take fifty times as long as a hash; and what moves would be summed at each step
-        const bool is_slow = program_->moves() || (program_->varying() && program_->varying()->nested);
+        const auto varying = program_->varying();
+        const int most = program_->moves()            ? most_moving_levels
+                         : varying && varying->nested ? most_nested_levels
+                                                      : most_enumerated_levels;
         const bool is_known = expectation_->known() && !expectation_->certain();
-        while (is_known && !is_slow && exact_levels_ < most_enumerated_levels &&
-               expectation_->bound(exact_levels_ + 1).codes > half_a_code)
+        while (is_known && exact_levels_ < most && expectation_->bound(exact_levels_ + 1).codes > half_a_code)
             ++exact_levels_;
         if (is_known && exact_levels_ == most_enumerated_levels) {
             const double codes = expectation_->bound(exact_levels_ + 1).codes;
@@ -276,6 +279,14 @@ class DrawnCells final : public PatternTexture {
             rows.from_row = static_cast<std::int32_t>(std::max<std::int64_t>(region.y - top, 0));
             rows.to_row = static_cast<std::int32_t>(std::min(region.y + region.height - top, side));
             rows.out = out.row(static_cast<std::int32_t>(top + rows.from_row - region.y));
+            if constexpr (texel_bytes<Image> == 4) {
+                if (side_log2 == 0) {
+                    block_kernels().copy_texels(static_cast<const unsigned char*>(rows.images), -1,
+                                                mips_->count() + 1, rows.index, region.width,
+                                                static_cast<unsigned char*>(rows.out));
+                    continue;
+                }
+            }
             copy_cell_rows<texel_bytes<Image>>(rows);
         }
         return Evaluation{.method = "patterns",
@@ -318,8 +329,8 @@ class DrawnCells final : public PatternTexture {
                                                 static_cast<std::int32_t>(n), count, sums.data());
                 }
                 validity.meet(patterns.validity());
-                for (const std::int64_t channel : sums)
-                    *texel++ = static_cast<float>(static_cast<double>(channel) / unit);
+                block_kernels().divide(sums.data(), unit, 4 * count, texel);
+                texel += std::ptrdiff_t{4} * count;
             }
         }
         return Evaluation{

@@ -150,7 +150,7 @@ std::vector<PatternTestScene> pattern_test_scenes() {
         {.name = "dithered-nested",
          .json = tiling(
              R"({"name": "which", "dithered_areas_map": {"areas": {"grid": "cells", "image": "map.png", "cells": 8}, "generator": "nested"}})"),
-         .largest_bound = 41},
+         .largest_bound = 2.7},
         {.name = "probability",
          .json = tiling(R"({"name": "draw", "virtual_indirection_map": {"grid": "cells", "count": 8}},
              {"name": "which", "probability_map": {"index": {"block": "draw"}, "material": {"entries": [{"pattern": 1, "weight": 5}, {"pattern": 2}, {"pattern": -1, "weight": 2}]}}})"),
@@ -160,8 +160,8 @@ std::vector<PatternTestScene> pattern_test_scenes() {
              R"({"name": "film", "animation_sequence": {"frames": [{"pattern": 0, "steps": 2}, {"pattern": 1}, {"pattern": 3}]}},
              {"name": "phase", "virtual_indirection_map": {"grid": "cells", "count": 16}},
              {"name": "which", "animation_map": {"sequence": "film", "phase": {"block": "phase"}, "rest": {"integer": 3}}})"),
-         // What an animation draws is independent: cells that move are summed to 4^4 a texel
-         .largest_bound = 4.7},
+         // What an animation draws is independent: cells that move are summed to 4^5 a texel
+         .largest_bound = 2.3},
         {.name = "pixel-map",
          .json = pattern(
              grid_32 + ", " + opaque + ", " + which +

@@ -78,14 +78,23 @@ TEST_P(BlockKernelsTest, LooksUpAndJoinsCorners) {
         others[i] = static_cast<std::int32_t>(random() % 60);
         types[i] = static_cast<std::uint16_t>(random() % 4096);
     }
-    kernels->look_up(table.data(), values.data(), 777, out.data());
-    for (std::size_t i = 0; i < out.size(); ++i)
-        ASSERT_EQ(out[i], table[static_cast<std::size_t>(values[i])]);
+    for (const std::int32_t size : {4096, 64, 63, 33, 32, 17, 16, 5, 1}) {
+        std::vector<std::int32_t> indices, small(table.begin(), table.begin() + size);
+        for (const std::int32_t value : values) indices.push_back(value % size);
+        kernels->look_up(small.data(), size, indices.data(), 777, out.data());
+        for (std::size_t i = 0; i < out.size(); ++i)
+            ASSERT_EQ(out[i], table[static_cast<std::size_t>(indices[i])]) << size;
+    }
     kernels->look_up_types(table.data(), types.data(), 777, out.data());
     for (std::size_t i = 0; i < out.size(); ++i) ASSERT_EQ(out[i], table[types[i]]);
-    kernels->look_up_pairs(table.data(), 60, values.data(), others.data(), 777, out.data());
+    kernels->look_up_pairs(table.data(), 4096, 60, values.data(), others.data(), 777, out.data());
     for (std::size_t i = 0; i < out.size(); ++i)
         ASSERT_EQ(out[i], table[static_cast<std::size_t>(values[i] * 60 + others[i])]);
+    std::vector<std::int32_t> few(777), fewer(777);
+    for (std::size_t i = 0; i < few.size(); ++i) few[i] = values[i] % 16, fewer[i] = others[i] % 3;
+    kernels->look_up_pairs(table.data(), 48, 3, few.data(), fewer.data(), 777, out.data());
+    for (std::size_t i = 0; i < out.size(); ++i)
+        ASSERT_EQ(out[i], table[static_cast<std::size_t>(few[i] * 3 + fewer[i])]);
     for (std::int32_t& value : values) value &= 7;
     const std::int32_t* corners[] = {values.data(), values.data() + 1, values.data() + 2, values.data() + 3};
     kernels->join_corners(corners, 3, 700, out.data());
@@ -93,12 +102,58 @@ TEST_P(BlockKernelsTest, LooksUpAndJoinsCorners) {
         ASSERT_EQ(out[i], values[i] + values[i + 1] * 8 + values[i + 2] * 64 + values[i + 3] * 512);
 }
 
+TEST_P(BlockKernelsTest, CopiesTexels) {
+    for (const std::int32_t count : {2, 17, 33, 65, 300}) {
+        std::vector<unsigned char> codes(static_cast<std::size_t>(count) * 4), out(4 * 333);
+        for (unsigned char& code : codes) code = static_cast<unsigned char>(random());
+        std::vector<std::int32_t> images(333);
+        for (std::int32_t& image : images)
+            image = static_cast<std::int32_t>(random() % static_cast<std::uint64_t>(count)) - 1;
+        kernels->copy_texels(codes.data() + 4, -1, count, images.data(), 333, out.data());
+        for (std::size_t i = 0; i < out.size(); ++i)
+            ASSERT_EQ(out[i], codes[static_cast<std::size_t>(images[i / 4] + 1) * 4 + i % 4]) << count;
+    }
+}
+
+TEST_P(BlockKernelsTest, NestedThresholdsPickOneOfTheFourNodesByTheirWeights) {
+    for (int log2 = 1; log2 <= 16; ++log2) {
+        const std::int32_t side = 1 << log2, column = static_cast<std::int32_t>(random() % 7) % side,
+                           row = static_cast<std::int32_t>(random() % static_cast<std::uint64_t>(side));
+        std::vector<std::int32_t> nodes(2 * 300), out(500);
+        for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i] = static_cast<std::int32_t>(i);
+        std::vector<std::uint32_t> thresholds(out.size());
+        for (std::uint32_t& threshold : thresholds) threshold = static_cast<std::uint32_t>(random());
+        for (const bool across : {true, false}) {
+            kernels->dither_nested({500, log2, column, row, across}, thresholds.data(), nodes.data(), 300,
+                                   out.data());
+            for (std::int32_t i = 0; i < 500; ++i) {
+                const std::int64_t left = side - (across ? (column + i) % side : 0), above = side - row;
+                const std::int64_t weights[4] = {left * above, (side - left) * above, left * row,
+                                                 (side - left) * row};
+                std::int64_t rest = thresholds[static_cast<std::size_t>(i)] >> (32 - 2 * log2);
+                std::int32_t node = 0;
+                while (rest >= weights[node]) rest -= weights[node++];
+                ASSERT_EQ(out[static_cast<std::size_t>(i)], (column + i) / side + node % 2 + node / 2 * 300);
+            }
+        }
+    }
+}
+
+TEST_P(BlockKernelsTest, DividesAsThePlainSetDoes) {
+    std::vector<std::int64_t> sums(203);
+    for (std::int64_t& sum : sums) sum = static_cast<std::int64_t>(random() >> 2);
+    std::vector<float> out(sums.size());
+    kernels->divide(sums.data(), 65535.0 * 255 * 49, 203, out.data());
+    for (std::size_t i = 0; i < sums.size(); ++i)
+        ASSERT_EQ(out[i], static_cast<float>(static_cast<double>(sums[i]) / (65535.0 * 255 * 49)));
+}
+
 TEST_P(BlockKernelsTest, AddsTheColoursOfRuns) {
     std::vector<std::int64_t> table(40);
     for (std::int64_t& value : table) value = static_cast<std::int64_t>(random() >> 19);
     std::vector<std::int32_t> indices(96);
     for (std::int32_t& index : indices) index = static_cast<std::int32_t>(random() % 9) - 1;
-    for (const std::int32_t run : {1, 2, 3, 4, 8, 32}) {
+    for (const std::int32_t run : {1, 2, 3, 4, 7, 8, 32}) {
         std::vector<std::int64_t> sums(4 * 3, 5), expected = sums;
         for (std::int32_t i = 0; i < 3 * run; ++i)
             for (int c = 0; c < 4; ++c)
