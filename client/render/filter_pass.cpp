@@ -114,7 +114,7 @@ Result<void> FilterPass::draw(const ShaderVariant& variant, const SourceBlock& s
     if (variant.feedback) glBindImageTexture(0, texels.feedback, 0, GL_TRUE, 0, GL_WRITE_ONLY, GL_R32UI);
     glBindVertexArray(no_vertices_.name());
     if (geometry)
-        geometry->draw();
+        geometry->draw(variant.feedback);
     else
         glDrawArrays(GL_TRIANGLES, 0, 3);
     for (GLuint unit = 0; unit < 8; ++unit) glBindSampler(unit, 0);

@@ -107,6 +107,13 @@ Result<void> PlaneRenderer::draw(const FrameTarget& target, const PlaneView& vie
             target.bind_linear();
         glScissor(first, 0, columns, rows);
         if (!view.is_plane()) geometry_.upload(view.pieces());
+        if (!view.is_plane() && style.feedback) {
+            // Only pixels that are seen tell what they read: depths come first
+            PlaneStyle quiet = style;
+            quiet.feedback = false;
+            surface = pass_.draw(variant_of(quiet, false), source, std::as_bytes(std::span{&block, 1}), texels,
+                                 &geometry_);
+        }
         surface =
             pass_.draw(variant_of(style, view.is_plane(), texels.held != nullptr), source,
                        std::as_bytes(std::span{&block, 1}), texels, view.is_plane() ? nullptr : &geometry_);

@@ -47,15 +47,15 @@ void SurfaceGeometry::upload(const std::vector<FlatPiece>& pieces) {
     send(rows_, row_buffer_, row_capacity_);
 }
 
-void SurfaceGeometry::draw() const {
+void SurfaceGeometry::draw(bool again) const {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, corner_buffer_.name());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, row_buffer_.name());
     glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
     glEnable(GL_DEPTH_TEST);
     glDepthMask(GL_TRUE);
-    glDepthFunc(GL_GREATER);
+    glDepthFunc(again ? GL_GEQUAL : GL_GREATER);
     constexpr float farthest = 0;
-    glClearBufferfv(GL_DEPTH, 0, &farthest);
+    if (!again) glClearBufferfv(GL_DEPTH, 0, &farthest);
     glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(corners_.size() / 4));
     glDisable(GL_DEPTH_TEST);
     glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);

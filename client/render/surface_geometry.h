@@ -14,7 +14,8 @@ class SurfaceGeometry {
     /// Needs a current context.
     void upload(const std::vector<FlatPiece>& pieces);
     /// Draws its triangles with the program in use, the nearest in front. The framebuffer has a depth buffer.
-    void draw() const;
+    /// `again`: over itself, only what was seen the last time.
+    void draw(bool again) const;
 
   private:
     std::vector<float> corners_, rows_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "client/residency/height_field.h"
 #include "client/residency/plane_view.h"
@@ -10,7 +11,7 @@
 namespace tessera {
 namespace {
 
-/// Four planes that reach as far as anything is seen; the texture is folded where they meet, so that it goes
+/// Four sides that reach as far as anything is seen; the texture is folded where they meet, so that it goes
 /// on over every edge.
 std::vector<FlatPiece> corridor(const Surface& surface, const PlaneView& view) {
     const Camera& camera = view.camera();
@@ -18,19 +19,44 @@ std::vector<FlatPiece> corridor(const Surface& surface, const PlaneView& view) {
     const double middle = static_cast<double>(surface.middle_x - camera.ground.x) - camera.ground.fraction_x;
     const double west = middle - half, east = middle + half, floor = -camera.height_texels,
                  ceiling = floor + 2 * half;
-    const double far = 1e6 * (half + camera.height_texels);
+    // In parts, the farther the longer: corners far away would be too coarse for a GPU's floats nearby
+    constexpr double cuts[] = {-4000, -400, -40, -4, 4, 40, 400, 4000};
     std::vector<FlatPiece> pieces;
     const auto add = [&](double x0, double z0, double x1, double z1, double light,
                          const PieceTexture& texture) {
-        add_piece(pieces, view,
-                  {Vector3{x0, -far, z0}, Vector3{x1, -far, z1}, Vector3{x1, far, z1}, Vector3{x0, far, z0}},
-                  4, texture, {light, light, light});
+        for (std::size_t i = 0; i + 1 < std::size(cuts); ++i) {
+            const double north = half * cuts[i], south = half * cuts[i + 1];
+            add_piece(pieces, view,
+                      {Vector3{x0, north, z0}, Vector3{x1, north, z1}, Vector3{x1, south, z1},
+                       Vector3{x0, south, z0}},
+                      4, texture, {light, light, light});
+        }
     };
     add(west, floor, east, floor, 1, {});
     add(east, floor, east, ceiling, 0.82, {{0, 0, -1}, {0, 1, 0}, east + floor, 0});
     add(east, ceiling, west, ceiling, 0.5, {{-1, 0, 0}, {0, 1, 0}, 2 * middle, 0});
     add(west, ceiling, west, floor, 0.68, {{0, 0, 1}, {0, 1, 0}, west - floor, 0});
     return pieces;
+}
+
+/// Thinner in the picture than a tenth of a pixel: seen so nearly edge on that no pixel could tell what it
+/// shows.
+bool is_sliver(const PlaneView& view, const std::array<Vector3, 4>& corners, std::size_t count) {
+    constexpr double thinnest = 0.1;
+    std::array<Vector3, 4> at{};  // in pixels
+    for (std::size_t i = 0; i < count; ++i) {
+        const double depth = dot(corners[i], view.forward());
+        if (!(depth > 1e-4 * view.camera().height_texels)) return false;
+        const double scale = 1 / (depth * view.pixel_step());
+        at[i] = {scale * dot(corners[i], view.right()), scale * dot(corners[i], view.up()), 0};
+    }
+    double doubled_area = 0, longest_squared = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const Vector3 side = at[(i + 1) % count] - at[i];
+        doubled_area += cross(at[i] - at[0], side).z;
+        longest_squared = std::max(longest_squared, dot(side, side));
+    }
+    return std::abs(doubled_area) < thinnest * std::sqrt(longest_squared);
 }
 
 }  // namespace
@@ -73,6 +99,7 @@ void add_piece(std::vector<FlatPiece>& pieces, const PlaneView& view, const std:
     const double distance = dot(normal, corners[0]);
     const double size = std::sqrt(dot(normal, normal) * dot(corners[0], corners[0]));
     if (!(distance < -1e-12 * size)) return;
+    if (is_sliver(view, corners, count)) return;
     FlatPiece piece;
     if (!set_rows(piece, view, normal, distance, texture)) return;
     piece.corners = corners;

@@ -89,7 +89,8 @@ class Blocks {
             const PixelReads::Bounds may = bounds(block.seen.box);
             for (int level = may.finest; level <= may.coarsest; ++level) {
                 met_.clear();
-                reads_.add_pages(may.ground, level, met_);
+                if (!reads_.add_pages(may.ground, level, met_) && !view_.is_plane())
+                    may_read_.push_back(&unknown_);
                 for (const PageKey key : met_) {
                     Page& page = pages_[key];
                     page.pixels += static_cast<double>(block.seen.pixels) / static_cast<double>(met_.size());
@@ -112,7 +113,7 @@ class Blocks {
     }
 
     void need_all(const FlatPiece& piece, const PixelBox& box) {
-        if (!is_bounded(box)) {
+        if (!view_.is_plane()) {
             for (int y = box.top; y < box.bottom; ++y)
                 for (int x = box.left; x < box.right; ++x)
                     if (visibility_.seen(piece, {x, y, x + 1, y + 1}).pixels > 0) look_at_pixel(x, y);
@@ -130,7 +131,8 @@ class Blocks {
         const PixelReads::Bounds may = bounds(box);
         for (int level = may.finest; level <= may.coarsest; ++level) {
             met_.clear();
-            reads_.add_pages(may.ground, level, met_);
+            // A plane's blocks are a row high where it is that far away
+            if (!reads_.add_pages(may.ground, level, met_) && !view_.is_plane()) return true;
             for (const PageKey page : met_) {
                 const auto found = pages_.find(page);
                 if (found == pages_.end() || !found->second.is_needed) return true;

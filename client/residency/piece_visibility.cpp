@@ -76,6 +76,8 @@ PixelBox PieceVisibility::box_of(const FlatPiece& piece) const {
     const auto place = [&](const Vector3& corner) {
         return Vector3{dot(corner, view_.right()), dot(corner, view_.up()), dot(corner, view_.forward())};
     };
+    double doubled_area = 0, last_x = 0, last_y = 0, first_x = 0, first_y = 0;
+    int places = 0;
     const auto include = [&](const Vector3& v) {
         const double x = v.x / v.z / view_.pixel_step() + view_.width() / 2.0,
                      y = view_.height() / 2.0 - v.y / v.z / view_.pixel_step();
@@ -83,6 +85,10 @@ PixelBox PieceVisibility::box_of(const FlatPiece& piece) const {
         right = std::max(right, x);
         top = std::min(top, y);
         bottom = std::max(bottom, y);
+        if (places++ == 0) first_x = x, first_y = y;
+        doubled_area += last_x * (y - first_y) - (x - first_x) * last_y;
+        last_x = x - first_x;
+        last_y = y - first_y;
     };
     for (int i = 0; i < piece.corner_count; ++i) {
         const Vector3 a = place(piece.corners[static_cast<std::size_t>(i)]),
@@ -95,13 +101,17 @@ PixelBox PieceVisibility::box_of(const FlatPiece& piece) const {
             include({a.x + part * (b.x - a.x), a.y + part * (b.y - a.y), least});
         }
     }
+    // At the tips of slivers the margin along their sides reaches far
+    const double longest = std::hypot(right - left, bottom - top);
+    const double tips =
+        std::min(2 * pixel_margin * longest * longest / std::max(std::abs(doubled_area), 1e-9), 1e4) +
+        pixel_margin;
     const auto pixel = [](double at, int least, int most) {
         return static_cast<int>(
             std::clamp(std::floor(at), static_cast<double>(least), static_cast<double>(most)));
     };
-    return {pixel(left - pixel_margin, whole.left, whole.right), pixel(top - pixel_margin, 0, whole.bottom),
-            pixel(right + pixel_margin + 1, whole.left, whole.right),
-            pixel(bottom + pixel_margin + 1, 0, whole.bottom)};
+    return {pixel(left - tips, whole.left, whole.right), pixel(top - tips, 0, whole.bottom),
+            pixel(right + tips + 1, whole.left, whole.right), pixel(bottom + tips + 1, 0, whole.bottom)};
 }
 
 PieceVisibility::Seen PieceVisibility::seen(const FlatPiece& piece, const PixelBox& box) const {
@@ -121,8 +131,11 @@ PieceVisibility::Seen PieceVisibility::seen(const FlatPiece& piece, const PixelB
             const auto step = static_cast<float>(piece.w[0]);
             const auto begin = static_cast<float>(piece.w[0] * (0.5 - view_.width() / 2.0) +
                                                   piece.w[1] * (y + 0.5 - view_.height() / 2.0) + piece.w[2]);
+            // Of a piece that is seen nearly edge on, w differs much from one pixel to the next
+            const auto slack =
+                static_cast<float>(pixel_margin * (std::abs(piece.w[0]) + std::abs(piece.w[1])));
             const auto shows = [&](int x) {
-                return begin + static_cast<float>(x) * step >= row[x] * (1 - depth_margin);
+                return begin + static_cast<float>(x) * step + slack >= row[x] * (1 - depth_margin);
             };
             pixels = 0;
             for (int x = first; x < end; ++x) pixels += shows(x) ? 1 : 0;

@@ -99,7 +99,7 @@ void PixelReads::add_page(GroundPoint at, int level, std::vector<PageKey>& pages
                              static_cast<std::uint32_t>(row)});
 }
 
-void PixelReads::add_pages(const Quadrilateral& corners, int level, std::vector<PageKey>& pages) const {
+bool PixelReads::add_pages(const Quadrilateral& corners, int level, std::vector<PageKey>& pages) const {
     const Origin& origin = origins_[static_cast<std::size_t>(level)];
     const auto side = static_cast<double>(std::int64_t{page_side_texels} << level);
     const auto last = static_cast<std::int64_t>(extent_.side_pages(static_cast<std::uint8_t>(level))) - 1;
@@ -113,12 +113,12 @@ void PixelReads::add_pages(const Quadrilateral& corners, int level, std::vector<
                  right = page(high_x, origin.within_x, origin.page_x),
                  top = page(low_y, origin.within_y, origin.page_y),
                  bottom = page(high_y, origin.within_y, origin.page_y);
-    if (right < 0 || bottom < 0 || left > last || top > last) return;
+    if (right < 0 || bottom < 0 || left > last || top > last) return true;
     left = std::max<std::int64_t>(left, 0);
     top = std::max<std::int64_t>(top, 0);
     right = std::min(right, last);
     bottom = std::min(bottom, last);
-    if (right - left > most_pages || bottom - top > most_pages) return;
+    if (right - left > most_pages || bottom - top > most_pages) return false;
     for (std::int64_t y = top; y <= bottom; ++y) {
         for (std::int64_t x = left; x <= right; ++x) {
             if ((left != right || top != bottom) &&
@@ -129,6 +129,7 @@ void PixelReads::add_pages(const Quadrilateral& corners, int level, std::vector<
                              static_cast<std::uint32_t>(y)});
         }
     }
+    return true;
 }
 
 /// Whether the gutter of the page under a point serves for all points so far from it; `surely`: even with the

@@ -35,8 +35,9 @@ class PixelReads {
         Quadrilateral ground{};
     };
     Bounds bounds(int left, int top, int right, int bottom) const;
-    /// Adds the pages of a level that a quadrilateral of the plane meets.
-    void add_pages(const Quadrilateral& ground, int level, std::vector<PageKey>& pages) const;
+    /// Adds the pages of a level that a quadrilateral of the plane meets. False if these are more than any
+    /// window holds in a row: none is added then.
+    bool add_pages(const Quadrilateral& ground, int level, std::vector<PageKey>& pages) const;
 
   private:
     struct Range {

@@ -54,18 +54,20 @@ class Mesh {
         is_last_ = is_last;
         middle_x_ = middle_of(eye_.x, spacing);
         middle_y_ = middle_of(eye_.y, spacing);
-        // What the ring inside this one covers, in cells of this one
-        const std::int64_t inner_x = (middle_of(eye_.x, spacing / 2) - middle_x_) / spacing,
-                           inner_y = (middle_of(eye_.y, spacing / 2) - middle_y_) / spacing;
-        const auto is_inside = [&](std::int64_t column, std::int64_t row) {
-            return !is_first && column >= inner_x - reach / 2 && column < inner_x + reach / 2 &&
-                   row >= inner_y - reach / 2 && row < inner_y + reach / 2;
-        };
+        is_first_ = is_first;
+        inner_x_ = (middle_of(eye_.x, spacing / 2) - middle_x_) / spacing;
+        inner_y_ = (middle_of(eye_.y, spacing / 2) - middle_y_) / spacing;
         std::ranges::fill(known_, false);
         for (std::int64_t row = -reach; row < reach; ++row)
             for (std::int64_t column = -reach; column < reach; ++column)
                 if (!is_inside(column, row) && may_be_seen(column, row)) add_cell(column, row);
         if (is_last) add_skirt();
+    }
+
+    /// Of a cell: the ring inside this one covers it.
+    bool is_inside(std::int64_t column, std::int64_t row) const {
+        return !is_first_ && column >= inner_x_ - reach / 2 && column < inner_x_ + reach / 2 &&
+               row >= inner_y_ - reach / 2 && row < inner_y_ + reach / 2;
     }
 
     /// By its place on the plane alone: heights of cells beside the picture are not worth knowing.
@@ -111,14 +113,41 @@ class Mesh {
         const Vector3 a = vertex(column, row), b = vertex(column + 1, row), c = vertex(column + 1, row + 1),
                       d = vertex(column, row + 1);
         const double light_a = light_at(column, row), light_c = light_at(column + 1, row + 1);
-        triangle(a, b, c, {light_a, light_at(column + 1, row), light_c});
-        triangle(a, c, d, {light_a, light_c, light_at(column, row + 1)});
+        const double light_b = light_at(column + 1, row), light_d = light_at(column, row + 1);
+        half_cell({a, b, c}, {light_a, light_b, light_c}, is_inside(column, row - 1),
+                  is_inside(column + 1, row));
+        half_cell({c, d, a}, {light_c, light_d, light_a}, is_inside(column, row + 1),
+                  is_inside(column - 1, row));
+    }
+
+    /// A triangle whose first two sides may border on the ring inside: that has a vertex in their middles,
+    /// and so has this, or there would be cracks.
+    void half_cell(const std::array<Vector3, 3>& at, const std::array<double, 3>& light, bool splits_first,
+                   bool splits_second) {
+        const auto middle = [](const Vector3& p, const Vector3& q) {
+            return Vector3{(p.x + q.x) / 2, (p.y + q.y) / 2, (p.z + q.z) / 2};
+        };
+        const double light_first = (light[0] + light[1]) / 2, light_second = (light[1] + light[2]) / 2;
+        const Vector3 first = middle(at[0], at[1]), second = middle(at[1], at[2]);
+        if (splits_first && splits_second) {
+            triangle(at[0], first, at[2], {light[0], light_first, light[2]});
+            triangle(first, second, at[2], {light_first, light_second, light[2]});
+            triangle(first, at[1], second, {light_first, light[1], light_second});
+        } else if (splits_first) {
+            triangle(at[0], first, at[2], {light[0], light_first, light[2]});
+            triangle(first, at[1], at[2], {light_first, light[1], light[2]});
+        } else if (splits_second) {
+            triangle(at[0], at[1], second, {light[0], light[1], light_second});
+            triangle(at[0], second, at[2], {light[0], light_second, light[2]});
+        } else {
+            triangle(at[0], at[1], at[2], light);
+        }
     }
 
     /// From the outermost edge to beyond all that is seen.
     void add_skirt() {
         const auto away = [&](const Vector3& v) {
-            return Vector3{v.x * 1000, v.y * 1000, -view_.eye_height()};
+            return Vector3{v.x * 30, v.y * 30, -view_.eye_height()};
         };
         const auto side = [&](const Vector3& a, const Vector3& b) {
             triangle(a, b, away(b));
@@ -155,7 +184,8 @@ class Mesh {
     const PlaneView& view_;
     const PlanePoint& eye_;
     std::int64_t spacing_ = 0, middle_x_ = 0, middle_y_ = 0;
-    bool is_last_ = false;
+    std::int64_t inner_x_ = 0, inner_y_ = 0;  ///< Middle of the ring inside, in cells
+    bool is_first_ = false, is_last_ = false;
     static constexpr std::size_t vertices = (2 * reach + 1) * (2 * reach + 1);
     std::array<double, vertices> heights_{};
     std::array<bool, vertices> known_{};

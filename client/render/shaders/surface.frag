@@ -1,6 +1,9 @@
 // A surface of flat pieces, each with the three rows that lead from pixels to texels: client/residency/flat_piece.h.
 layout(std430, binding = 1) readonly buffer Pieces { vec4 rows[]; };  // s, t and w of each
 
+#ifdef FEEDBACK
+layout(early_fragment_tests) in;
+#endif
 flat in int piece;
 in float light;
 

@@ -3,6 +3,7 @@ layout(std430, binding = 0) readonly buffer Corners { vec4 corners[]; };
 
 layout(std430, binding = 1) readonly buffer Pieces { vec4 rows[]; };    // last in each: the corner's light
 
+invariant gl_Position;
 flat out int piece;
 out float light;
 

@@ -7,7 +7,7 @@ namespace tessera {
 void frames_panel(PanelColumns& columns, const PanelContents& contents, ViewerSwitches& switches) {
     const double mean = contents.times.mean_milliseconds();
     const std::string title = text("Frames: %.0f a second###frames", mean > 0 ? 1000 / mean : 0);
-    if (columns.begin(PanelColumns::Side::left, title.c_str(), !columns.is_low())) {
+    if (columns.begin(PanelColumns::Side::left, title.c_str(), false)) {
         ImGui::PlotLines("##times", contents.times.values().data(),
                          static_cast<int>(contents.times.values().size()), contents.times.oldest(),
                          text("%.1f ms", mean).c_str(), 0, static_cast<float>(std::max(33.0, 2 * mean)),

@@ -55,8 +55,7 @@ void levels(const PanelContents& contents) {
 }  // namespace
 
 void overlay_panel(PanelColumns& columns, const PanelContents& contents, ViewerSwitches& switches) {
-    if (columns.begin(PanelColumns::Side::left, "Overlay",
-                      !columns.is_low() || switches.overlay != Overlay::none)) {
+    if (columns.begin(PanelColumns::Side::left, "Overlay", switches.overlay != Overlay::none)) {
         ImGui::SetNextItemWidth(-1);
         if (ImGui::BeginCombo("##overlay", titles[static_cast<std::size_t>(switches.overlay)])) {
             for (const Overlay overlay : overlays)

@@ -5,7 +5,7 @@
 namespace tessera {
 namespace {
 
-constexpr float margin = 12, gap = 6, width_left = 300, width_right = 280, least_height = 60;
+constexpr float margin = 12, gap = 6, width_left = 300, width_right = 280;
 
 }  // namespace
 
@@ -23,7 +23,10 @@ bool PanelColumns::begin(Side side, const char* title, bool open_at_first) {
         std::min((left ? width_left : width_right) * scale_, screen_.x / 2 - 1.5F * margin * scale_);
     const float y = next_y_[left ? 0 : 1];
     const float x = left ? margin * scale_ : screen_.x - margin * scale_ - width;
-    const float room = std::max(screen_.y - bottom_ - margin * scale_ - y, least_height * scale_);
+    int& to_come = left_to_come_[left ? 0 : 1];
+    if (to_come > 0) --to_come;
+    const float below = static_cast<float>(to_come) * (ImGui::GetFrameHeight() + gap * scale_);
+    const float room = std::max(screen_.y - bottom_ - margin * scale_ - y - below, ImGui::GetFrameHeight());
     ImGui::SetNextWindowPos({x, y}, ImGuiCond_Always);
     ImGui::SetNextWindowSizeConstraints({width, 0}, {width, room});
     ImGui::SetNextWindowCollapsed(!open_at_first, ImGuiCond_Once);

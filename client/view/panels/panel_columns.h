@@ -23,6 +23,9 @@ class PanelColumns {
     /// ImGui's.
     explicit PanelColumns(float scale, float bottom = 0);
 
+    /// So many panels will stand in a column: those above leave room for the titles of those below.
+    void expect(Side side, int panels) { left_to_come_[side == Side::left ? 0 : 1] = panels; }
+
     /// Opens the next panel of a column. False if it is folded: nothing is to be put in then. end() follows
     /// either way. `open_at_first`: how it stands until someone folds or unfolds it.
     bool begin(Side side, const char* title, bool open_at_first = true);
@@ -36,6 +39,7 @@ class PanelColumns {
     float scale_, bottom_;
     ImVec2 screen_;
     float next_y_[2];
+    int left_to_come_[2] = {};
     Side side_ = Side::left;
 };
 

@@ -28,7 +28,7 @@ class Offscreen {
         scene = std::move(made.value());
     }
 
-    PlaneView view(const Camera& camera) const { return {camera, target.width(), target.height()}; }
+    PlaneView view(const Camera& camera) const { return {camera, target.width(), target.height(), surface}; }
 
     ResidencyFrame update(const Camera& camera, FilterChoice filter = {}) {
         now += ClientTime{16};
@@ -56,6 +56,7 @@ class Offscreen {
     FrameTarget target;
     std::unique_ptr<PlaneScene> scene;
     ClientTime now{};
+    Surface surface{};
 };
 
 }  // namespace tessera::testing
