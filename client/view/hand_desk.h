@@ -84,6 +84,7 @@ class HandDesk {
     const std::map<std::uint64_t, Person>& people() const { return people_; }
     /// Where this one's hand is, for the others.
     void be_at(std::optional<HandPoint> at, int level);
+    const std::optional<HandPoint>& cursor() const { return at_; }
     struct News {
         std::string who, what;
         ClientTime at{};

@@ -1,0 +1,169 @@
+#include "client/view/hand_overlay.h"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace tessera {
+namespace {
+
+constexpr ImU32 amber = IM_COL32(242, 195, 119, 255), shadow = IM_COL32(10, 12, 14, 140),
+                white = IM_COL32(255, 255, 255, 215), handle_fill = IM_COL32(255, 250, 240, 255),
+                handle_rim = IM_COL32(201, 138, 43, 255);
+
+ImU32 colour_of(const HandDesk::Person& person, float alpha = 1) {
+    return ImGui::ColorConvertFloat4ToU32({person.red, person.green, person.blue, alpha});
+}
+
+}  // namespace
+
+ImVec4 value_colour(int value) {
+    ImVec4 colour{0, 0, 0, 1};
+    ImGui::ColorConvertHSVtoRGB(static_cast<float>(std::fmod(0.09 + value * 0.381966, 1.0)), 0.65F, 0.95F,
+                                colour.x, colour.y, colour.z);
+    return colour;
+}
+
+std::optional<ImVec2> HandOverlay::place(const HandPoint& at, const HandOffset& away) const {
+    const auto pixel = picture_.pixel_of(at, away);
+    if (!pixel || std::abs(pixel->x) > 1e5 || std::abs(pixel->y) > 1e5) return std::nullopt;
+    return ImVec2{static_cast<float>(pixel->x) / unit_, static_cast<float>(pixel->y) / unit_};
+}
+
+bool HandOverlay::trace(const HandPoint& middle, std::span<const HandOffset> corners) {
+    line_.clear();
+    for (const HandOffset& corner : corners) {
+        const auto at = place(middle, corner);
+        if (!at) return false;
+        line_.push_back(*at);
+    }
+    return true;
+}
+
+/// Over a darker, wider one, so that it is seen on any ground.
+void HandOverlay::stroke(ImU32 colour, float width, bool dashed) {
+    const auto count = static_cast<int>(line_.size());
+    list_.AddPolyline(line_.data(), count, shadow, ImDrawFlags_Closed, (width + 2) * scale_);
+    if (!dashed) {
+        list_.AddPolyline(line_.data(), count, colour, ImDrawFlags_Closed, width * scale_);
+        return;
+    }
+    const float dash = 5 * scale_, gap = 4 * scale_;
+    for (int i = 0; i < count; ++i) {
+        const ImVec2 a = line_[static_cast<std::size_t>(i)],
+                     b = line_[static_cast<std::size_t>((i + 1) % count)];
+        const float length = std::hypot(b.x - a.x, b.y - a.y);
+        for (float at = 0; at < std::min(length, 4000.0F); at += dash + gap) {
+            const float end = std::min(at + dash, length);
+            const auto on = [&](float share) {
+                return ImVec2{a.x + (b.x - a.x) * share / length, a.y + (b.y - a.y) * share / length};
+            };
+            list_.AddLine(on(at), on(end), colour, width * scale_);
+        }
+    }
+}
+
+void HandOverlay::outline(const HandSprite& sprite, ImU32 colour, float width, bool dashed) {
+    const auto corners = corners_of(sprite);
+    if (trace({sprite.x, sprite.y}, corners)) stroke(colour, width, dashed);
+}
+
+void HandOverlay::selection(const HandDesk& desk) {
+    if (desk.tool != HandDesk::Tool::hand) return;
+    const Hand& hand = desk.hand();
+    if (const HandSprite* hovered = hand.hovered())
+        if (std::ranges::find(hand.selected(), hovered->id) == hand.selected().end())
+            outline(resting_at(*hovered, hand.view().step), white, 1.25F);
+    if (const auto ghost = hand.ghost()) outline(*ghost, white, 1.25F, true);
+    const std::vector<HandSprite> selection = hand.selection();
+    for (const HandSprite& sprite : selection) outline(sprite, amber, 1.75F);
+    if (const auto box = hand.marquee()) {
+        const HandPoint middle{box->x0 * sprite_units, box->y0 * sprite_units};
+        const double x = static_cast<double>(box->x1 - box->x0), y = static_cast<double>(box->y1 - box->y0);
+        const std::array<HandOffset, 4> corners{{{0, 0}, {x, 0}, {x, y}, {0, y}}};
+        if (trace(middle, corners)) {
+            list_.AddConvexPolyFilled(line_.data(), 4, IM_COL32(242, 195, 119, 36));
+            stroke(amber, 1.25F);
+        }
+    }
+    const auto frame = hand.frame();
+    if (!frame || hand.is_dragging()) return;
+    if (selection.size() > 1 && trace(frame->middle, frame->corners))
+        stroke(IM_COL32(242, 195, 119, 200), 1, true);
+    const auto knob = place(frame->middle, frame->knob);
+    const auto top = place(frame->middle, {(frame->corners[0].x + frame->corners[1].x) / 2,
+                                           (frame->corners[0].y + frame->corners[1].y) / 2});
+    if (knob && top) {
+        list_.AddLine(*top, *knob, shadow, 3.5F * scale_);
+        list_.AddLine(*top, *knob, amber, 1.5F * scale_);
+    }
+    const auto under = hand.hovered_handle();
+    const auto dot = [&](const std::optional<ImVec2>& at, int which) {
+        if (!at) return;
+        const float radius = (under && under->which == which ? 7.0F : 5.5F) * scale_;
+        list_.AddCircleFilled(*at, radius + 2 * scale_, shadow);
+        list_.AddCircleFilled(*at, radius, handle_fill);
+        list_.AddCircle(*at, radius, handle_rim, 0, 1.75F * scale_);
+    };
+    for (int corner = 0; corner < 4; ++corner)
+        dot(place(frame->middle, frame->corners[static_cast<std::size_t>(corner)]), corner);
+    dot(knob, 4);
+}
+
+void HandOverlay::brush(HandDesk& desk) {
+    if (desk.tool != HandDesk::Tool::brush || !desk.brush() || !desk.cursor()) return;
+    constexpr int corners = 64;
+    std::array<HandOffset, corners> circle;
+    for (int i = 0; i < corners; ++i) {
+        const double angle = 2 * std::numbers::pi * i / corners;
+        circle[static_cast<std::size_t>(i)] = {desk.brush()->radius_texels * std::cos(angle),
+                                               desk.brush()->radius_texels * std::sin(angle)};
+    }
+    if (!trace(*desk.cursor(), circle)) return;
+    const ImVec4 hue = value_colour(desk.brush()->value);
+    list_.AddConvexPolyFilled(line_.data(), corners,
+                              ImGui::ColorConvertFloat4ToU32({hue.x, hue.y, hue.z, 0.22F}));
+    stroke(ImGui::ColorConvertFloat4ToU32(hue), 2);
+}
+
+void HandOverlay::targets(HandDesk& desk) {
+    if (desk.tool != HandDesk::Tool::target) return;
+    for (const proto::Target& target : desk.targets().targets()) {
+        const HandPoint at{target.x() * sprite_units, target.y() * sprite_units};
+        std::vector<HandOffset> way{{0, 0}};
+        for (const auto& leg : target.legs())
+            way.push_back(
+                {static_cast<double>(leg.x() - target.x()), static_cast<double>(leg.y() - target.y())});
+        if (way.size() > 1 && trace(at, way)) stroke(IM_COL32(242, 195, 119, 160), 1.25F, true);
+        const auto middle = place(at);
+        if (!middle) continue;
+        const bool is_held = desk.targets().held() == target.id();
+        const float radius = (is_held ? 12.0F : 10.0F) * scale_;
+        list_.AddCircle(*middle, radius, shadow, 0, 5 * scale_);
+        list_.AddCircle(*middle, radius, amber, 0, 2.5F * scale_);
+        list_.AddCircleFilled(*middle, 3 * scale_, amber);
+    }
+}
+
+void HandOverlay::people(const HandDesk& desk) {
+    for (const auto& [session, person] : desk.people()) {
+        const ImU32 colour = colour_of(person);
+        if (person.held) outline(*person.held, colour, 1.5F, true);
+        for (const SpriteId id : person.selected)
+            if (!person.held || person.held->id != id)
+                if (const auto sprite = desk.hand().now(id)) outline(*sprite, colour, 1.5F);
+        const auto at = person.at ? place(*person.at) : std::nullopt;
+        if (!at) continue;
+        const auto tip = [&](float x, float y) { return ImVec2{at->x + x * scale_, at->y + y * scale_}; };
+        const std::array<ImVec2, 4> arrow{tip(0, 0), tip(4.5F, 14), tip(7, 8.5F), tip(12.5F, 6)};
+        list_.AddTriangleFilled(arrow[0], arrow[1], arrow[2], colour);
+        list_.AddTriangleFilled(arrow[0], arrow[2], arrow[3], colour);
+        list_.AddPolyline(arrow.data(), 4, shadow, ImDrawFlags_Closed, 1.25F * scale_);
+        const ImVec2 size = ImGui::CalcTextSize(person.name.c_str()), low = tip(12, 13);
+        const float pad = 5 * scale_;
+        list_.AddRectFilled(low, {low.x + size.x + 2 * pad, low.y + size.y + pad}, colour, 5 * scale_);
+        list_.AddText({low.x + pad, low.y + pad / 2}, IM_COL32(14, 16, 20, 255), person.name.c_str());
+    }
+}
+
+}  // namespace tessera
