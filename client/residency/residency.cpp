@@ -120,14 +120,16 @@ std::vector<SlotUpload> Residency::place_arrivals(const FrameTime& time) {
     std::vector<ArrivedPage> waiting;
     for (ArrivedPage& early : early_) {
         if (!versions_.held(early.page)) continue;
-        const bool is_due =
-            early.version.validity.from <= time.step && arrived.size() < settings_.uploads_per_frame;
+        // All in the frame in which their interval begins, however many: no two pages of one frame are of
+        // different steps because one had to wait
+        const bool is_due = early.version.validity.from <= time.step;
         (is_due ? arrived : waiting).push_back(std::move(early));
     }
     early_ = std::move(waiting);
     std::vector<PageKey> without;
-    for (ArrivedPage& page :
-         requests_.take_arrived(settings_.uploads_per_frame - arrived.size(), time.now, &without))
+    for (ArrivedPage& page : requests_.take_arrived(
+             settings_.uploads_per_frame - std::min(settings_.uploads_per_frame, arrived.size()), time.now,
+             &without))
         arrived.push_back(std::move(page));
     for (const PageKey page : without) versions_.forget_expected(page);
     stand_ins_.hear(requests_.take_others());
