@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "server/texture/channel_data.h"
 #include "server/texture/lean.h"
 
 namespace tessera {
@@ -91,8 +92,7 @@ std::string range_text(double range) {
     return text;
 }
 
-/// Of the data of an asset with normals: lean_slopes(), lean_squares() and lean_products(). Of one without:
-/// squared_alphas(), or heights.
+/// The images of make_channel_data().
 constexpr std::size_t slopes = 0, squares = 1, products = 2, first_image = 0;
 
 class NormalTexture final : public MaterialTexture {
@@ -225,59 +225,25 @@ class MomentsTexture final : public MaterialTexture {
     double range_;
 };
 
-const ExchangeAsset::Channel* image_of(const ExchangeAsset& asset, ChannelSet set) noexcept {
-    for (const ExchangeAsset::Channel& channel : asset.channels)
-        if (channel.name == name_of(set)) return &channel;
-    return nullptr;
-}
-
-Rgb16Image greys(const Rgb8Image& image) {
-    Rgb16Image wide{image.width, image.height, {}};
-    wide.values.reserve(image.bytes.size());
-    for (const std::uint8_t byte : image.bytes) wide.values.push_back(static_cast<std::uint16_t>(byte * 257));
-    return wide;
-}
-
 }  // namespace
 
 std::size_t channel_textures(const ExchangeAsset& asset) noexcept {
-    const bool normal = image_of(asset, ChannelSet::normal) != nullptr,
-               roughness = image_of(asset, ChannelSet::roughness) != nullptr,
-               height = image_of(asset, ChannelSet::height) != nullptr;
+    const bool normal = aligned_image(asset.channels, ChannelSet::normal) != nullptr,
+               roughness = aligned_image(asset.channels, ChannelSet::roughness) != nullptr,
+               height = aligned_image(asset.channels, ChannelSet::height) != nullptr;
     return normal ? 3 : roughness || height ? 1 : 0;
 }
 
 std::vector<Channels> make_channels(const std::shared_ptr<const ExchangeTexture>& albedo,
                                     const ExchangeAsset& asset) {
-    const auto* normal = image_of(asset, ChannelSet::normal);
-    const auto* roughness = image_of(asset, ChannelSet::roughness);
-    const auto* height = image_of(asset, ChannelSet::height);
-    using Part = Rgb8Image ExchangeAsset::Channel::*;
-    const auto part_of = [](const ExchangeAsset::Channel* channel, Part part) {
-        return channel == nullptr ? nullptr : &(channel->*part);
-    };
-    std::vector<DataImages> images;
-    const auto add_image = [&](const auto& texels_of) {
-        images.push_back(
-            {texels_of(&ExchangeAsset::Channel::exemplar), texels_of(&ExchangeAsset::Channel::tile)});
-    };
-
-    // Heights travel in the third value of whichever image comes first
-    double range = 0;
-    if (normal != nullptr) {
-        range = std::max(steepest_in(normal->exemplar), steepest_in(normal->tile));
-        add_image([&](Part part) { return lean_slopes(normal->*part, range, part_of(height, part)); });
-        add_image([&](Part part) { return lean_squares(normal->*part, range); });
-        add_image([&](Part part) { return lean_products(normal->*part, range, part_of(roughness, part)); });
-    } else if (roughness != nullptr) {
-        add_image([&](Part part) { return squared_alphas(roughness->*part, part_of(height, part)); });
-    } else if (height != nullptr) {
-        add_image([&](Part part) { return greys(height->*part); });
-    }
-
+    const auto* normal = aligned_image(asset.channels, ChannelSet::normal);
+    const auto* roughness = aligned_image(asset.channels, ChannelSet::roughness);
+    const auto* height = aligned_image(asset.channels, ChannelSet::height);
+    const double range =
+        normal != nullptr ? std::max(steepest_in(normal->exemplar), steepest_in(normal->tile)) : 0;
     std::vector<Channels> sets;
-    if (images.empty()) return sets;
-    const DataPtr data = albedo->with_texels(images);
+    const DataPtr data = make_channel_data(albedo, asset, range);
+    if (data == nullptr) return sets;
     const auto add = [&](ChannelSet set, const std::shared_ptr<MaterialTexture>& texture) {
         if (sets.empty()) texture->count_data();
         sets.push_back({set, texture});

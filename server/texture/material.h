@@ -31,7 +31,8 @@ struct Channels {
 std::vector<Channels> make_channels(const std::shared_ptr<const ExchangeTexture>& albedo,
                                     const ExchangeAsset& asset);
 
-/// How many textures as large as the albedo's these take: what loading checks before it allocates.
+/// How many textures as large as the albedo's these take, once they are looked at: what loading checks
+/// beforehand.
 std::size_t channel_textures(const ExchangeAsset& asset) noexcept;
 
 }  // namespace tessera
