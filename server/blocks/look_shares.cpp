@@ -114,7 +114,7 @@ LookShares::LookShares(std::shared_ptr<const std::vector<CellNode>> nodes, std::
         for (const Group& group : groups_)
             for (std::size_t setting = 0; group.moves && setting < animated_->animation->settings().size();
                  ++setting)
-                uneven_.push_back(uneven_at(group, setting));
+                uneven_.push_back(std::make_unique<Unevenness>());
 }
 
 /// Finds which animation is shown, if any, and what depends on its phases alone. False if only cells
@@ -220,7 +220,12 @@ Epoch LookShares::epoch(Step step, std::int32_t parameter, double most_uneven) c
         *std::find_if(groups_.begin(), groups_.end(), [](const Group& g) { return g.moves; });
     const AnimationOp::Settled settled = animated_->animation->settled_at(step);
     const auto setting = static_cast<std::size_t>(std::max(settled.setting, 0));
-    const double uneven = settled.setting < 0 ? 1 : uneven_[setting];
+    const auto unevenness = [&] {
+        Unevenness& of = *uneven_[setting];
+        std::call_once(of.found, [&] { of.share = uneven_at(group, setting); });
+        return of.share;
+    };
+    const double uneven = settled.setting < 0 ? 1 : unevenness();
     const std::uint64_t states = states_of(group, {});
     if (uneven <= most_uneven || states > max_states)
         return {settled.holds, step, true, setting, uneven, parameter};

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -107,7 +108,12 @@ class LookShares {
     const CellNode* animated_ = nullptr;    ///< The one animation that pattern, turn or scale depend on.
     bool even_phases_ = false;              ///< Its phases are drawn, and nothing else depends on them.
     std::vector<std::int32_t> map_states_;  ///< Where there is an animation.
-    std::vector<double> uneven_;            ///< By setting.
+    /// What uneven_at() says, found when it is first asked for: most settings are never looked at.
+    struct Unevenness {
+        std::once_flag found;
+        double share = 1;
+    };
+    std::vector<std::unique_ptr<Unevenness>> uneven_;  ///< By setting.
 };
 
 }  // namespace tessera

@@ -143,7 +143,7 @@ Result<AppliedEdit> apply_edit(const proto::Edit& edit, const SpritePatterns& pa
         std::vector<TexelBox> undone;
         for (int done = inverses.size(); done-- > 0; again.Clear())
             make(inverses.Get(done), patterns, book, again, undone).value();
-        return Error{made.error().code, name_of_change(i, change) + made.error().detail};
+        return error_of_change(i, change, made.error());
     }
     std::reverse(inverses.begin(), inverses.end());
     return applied;
@@ -157,9 +157,9 @@ AppliedEdit joined(AppliedEdit sprites, DocumentEdit document) {
 }
 
 Result<AppliedEdit> apply_edit(const proto::Edit& edit, const SpritePatterns& patterns, SpriteBook& book,
-                               const EditInstant& instant, LiveDocument& document) {
+                               const EditInstant& instant, LiveDocument& document, Planning planning) {
     LiveDocument next = document;
-    auto of_document = apply_to_document(edit, instant, next);
+    auto of_document = apply_to_document(edit, instant, next, planning);
     if (!of_document) return of_document.error();
     auto of_sprites = apply_edit(edit, patterns, book);
     if (!of_sprites) return of_sprites.error();

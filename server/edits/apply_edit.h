@@ -33,7 +33,8 @@ Result<AppliedEdit> apply_edit(const proto::Edit& edit, const SpritePatterns& pa
 
 /// Makes all changes of an edit, or none: of sprites in the book, of all else in the document.
 Result<AppliedEdit> apply_edit(const proto::Edit& edit, const SpritePatterns& patterns, SpriteBook& book,
-                               const EditInstant& instant, LiveDocument& document);
+                               const EditInstant& instant, LiveDocument& document,
+                               Planning planning = Planning::now);
 
 /// What both parts of an edit did.
 AppliedEdit joined(AppliedEdit sprites, DocumentEdit document);

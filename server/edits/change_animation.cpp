@@ -7,6 +7,7 @@
 
 #include "server/edits/live_document.h"
 #include "shared/motion/transitions.h"
+#include "shared/result/in_quotes.h"
 
 namespace tessera {
 
@@ -66,14 +67,14 @@ Result<void> change_animation(const proto::AnimationChange& change, const EditIn
     proto::Block* block = find_block(*message, change.block());
     if (block == nullptr || !block->has_animation_map() ||
         std::find(block->editable().begin(), block->editable().end(), "animation") == block->editable().end())
-        return wrong("block: \"" + change.block() +
-                     "\" is no animation map that the scene file lists as editable (\"animation\")");
+        return wrong("block: " + in_quotes(change.block()) +
+                     " is no animation map that the scene file lists as editable (\"animation\")");
     if (!change.has_phase() && !change.has_rest() && !change.has_density())
         return wrong("says nothing; give it phase, rest or density");
     if (change.has_density() && std::isnan(change.density())) return wrong("density: is no number");
     proto::AnimationMap& map = *block->mutable_animation_map();
     if (map.driver_case() != proto::AnimationMap::DRIVER_NOT_SET)
-        return wrong("block: \"" + change.block() + "\" is not driven by the clock");
+        return wrong("block: " + in_quotes(change.block()) + " is not driven by the clock");
     const Step step = change.has_step() ? change.step() : instant.step;
     if (step < -max_step || step > max_step)
         return wrong("step: is " + std::to_string(step) + "; from -2^62 to 2^62");
@@ -120,7 +121,7 @@ Result<void> change_animation(const proto::AnimationChange& change, const EditIn
     edit.dirty.push_back(every_texel);
     document.message = std::move(message);
     document.edited = true;
-    document.settled = false;
+    document.settled = document.maps_known = false;
     return {};
 }
 

@@ -6,6 +6,7 @@
 
 #include "server/edits/field_path.h"
 #include "server/edits/live_document.h"
+#include "shared/result/in_quotes.h"
 #include "shared/wire/target_message.h"
 
 namespace tessera {
@@ -78,23 +79,23 @@ Result<void> set_parameter(const proto::ParameterChange& change, LiveDocument& d
         if (change.field() != "seed" || std::none_of(blocks.begin(), blocks.end(), [](const auto& block) {
                 return lists_as_editable(block, "seed");
             }))
-            return wrong("field: \"" + change.field() + "\" is not editable; name a block");
+            return wrong("field: " + in_quotes(change.field()) + " is not editable; name a block");
         exchanged =
             exchange_field(*message->mutable_pattern(), "seed", change.value(), *back.mutable_value());
     } else {
         proto::Block* block = find_block(*message, change.block());
-        if (block == nullptr) return wrong("block: there is no block \"" + change.block() + "\"");
+        if (block == nullptr) return wrong("block: there is no block " + in_quotes(change.block()));
         if (!lists_as_editable(*block, change.field()))
-            return wrong("field: \"" + change.field() + "\" of \"" + change.block() +
-                         "\" is not listed as editable by the scene file");
+            return wrong("field: " + in_quotes(change.field()) + " of " + in_quotes(change.block()) +
+                         " is not listed as editable by the scene file");
         const auto* kind = proto::Block::descriptor()->FindFieldByNumber(block->block_case());
-        if (kind == nullptr) return wrong("block: \"" + change.block() + "\" holds nothing");
+        if (kind == nullptr) return wrong("block: " + in_quotes(change.block()) + " holds nothing");
         exchanged = exchange_field(*block->GetReflection()->MutableMessage(block, kind), change.field(),
                                    change.value(), *back.mutable_value());
     }
     if (!exchanged) return wrong("value: " + exchanged.error().detail);
     take(document, std::move(message));
-    document.settled = false;
+    document.settled = document.maps_known = false;
     dirty.push_back(every_texel);
     return {};
 }

@@ -11,6 +11,8 @@
 
 #include "proto/pattern.pb.h"
 
+#include "shared/result/in_quotes.h"
+
 namespace tessera {
 
 namespace {
@@ -165,17 +167,17 @@ Result<void> exchange_field(Message& message, std::string_view path, const proto
     std::string_view rest = path;
     for (;;) {
         const auto part = take_part(rest);
-        const auto missing = [&] { return wrong("there is no field \"" + std::string{path} + "\""); };
+        const auto missing = [&] { return wrong("there is no field " + in_quotes(path)); };
         if (!part) return missing();
         const FieldDescriptor* field = in->GetDescriptor()->FindFieldByName(std::string{part->name});
         if (field == nullptr) return missing();
         const auto& reflection = *in->GetReflection();
         if (field->is_repeated() != (part->index >= 0))
-            return wrong("\"" + std::string{part->name} +
-                         (field->is_repeated() ? "\" is a list; name one of it, as [0]" : "\" is no list"));
+            return wrong(in_quotes(part->name) +
+                         (field->is_repeated() ? " is a list; name one of it, as [0]" : " is no list"));
         if (field->is_repeated() && part->index >= reflection.FieldSize(*in, field))
-            return wrong("\"" + std::string{part->name} + "\" has " +
-                         std::to_string(reflection.FieldSize(*in, field)) + " entries");
+            return wrong(in_quotes(part->name) + " has " + std::to_string(reflection.FieldSize(*in, field)) +
+                         " entries");
         if (field->cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE) {
             if (!rest.empty()) return missing();
             const Place place{*in, *field, part->index};

@@ -15,7 +15,7 @@ void LiveScene::run_lane(std::stop_token stop) {
         lane_wakes_.wait(lock, stop, [this] { return !unprepared_.empty() && !group_waits_; });
         if (stop.stop_requested()) return;
         std::vector<Work> works;
-        while (!unprepared_.empty() && works.size() < max_in_group) {
+        while (!unprepared_.empty() && works.size() < most_in_next_) {
             works.push_back(std::move(unprepared_.front()));
             unprepared_.pop_front();
         }
@@ -37,7 +37,7 @@ void LiveScene::prepare(std::vector<Work> works, std::unique_lock<std::mutex>& l
         EditInstant instant{now_at(), 0};
         instant.step = document.clock.read(instant.at).step;
         work.append.step = instant.step;
-        if (auto made = apply_to_document(work.edit, instant, document)) {
+        if (auto made = apply_to_document(work.edit, instant, document, Planning::in_time)) {
             work.document = std::move(*made);
             work.group = group;
             possible.push_back(std::move(work));
@@ -49,9 +49,22 @@ void LiveScene::prepare(std::vector<Work> works, std::unique_lock<std::mutex>& l
     if (!possible.empty() && !document.same_ground(*compiled)) {
         auto ground = this->compile(document);
         if (ground) {
+            most_in_next_ = max_in_group;
             group->ground = std::move(*ground);
+        } else if (possible.size() > 1) {
+            // Each by itself was found possible, and not all together: who asks for too much must not stand
+            // in others' way
+            lock.lock();
+            for (std::size_t i = possible.size(); i-- > 0;) {
+                possible[i].group.reset();
+                possible[i].document.reset();
+                unprepared_.push_front(std::move(possible[i]));
+            }
+            most_in_next_ = possible.size() / 2;
+            lock.unlock();
+            possible.clear();
         } else {
-            // Each by itself was found possible: it was too much altogether
+            most_in_next_ = max_in_group;
             for (Work& work : possible) {
                 work.group.reset();
                 work.document.reset();

@@ -1,6 +1,7 @@
 #include "server/edits/live_document.h"
 
 #include <algorithm>
+#include <ctime>
 #include <utility>
 
 #include "server/blocks/plan.h"
@@ -53,7 +54,7 @@ Result<void> LiveDocument::restore(const proto::Scene& whole) {
     LiveDocument next = *this;
     next.message = std::make_shared<const proto::Scene>(whole);
     next.painted.clear();
-    next.settled = false;
+    next.settled = next.maps_known = false;
     next.edited = true;
     auto done = tessera::settle(next);
     if (done) *this = std::move(next);
@@ -86,15 +87,39 @@ bool changes_document(const proto::Edit& edit) {
     });
 }
 
-bool plans_scene(const proto::Edit& edit) {
+bool looks_at_maps(const proto::Edit& edit) {
+    return std::any_of(edit.changes().begin(), edit.changes().end(),
+                       [](const proto::Change& change) { return change.has_paint_map(); });
+}
+
+bool unsettles_scene(const proto::Edit& edit) {
     return std::any_of(edit.changes().begin(), edit.changes().end(), [](const proto::Change& change) {
         return change.has_set_parameter() || change.has_change_animation();
     });
 }
 
-std::string name_of_change(int i, const proto::Change& change) {
+namespace {
+
+/// Whether a message begins with a field's path, or several: "block: …", "targets[1].x: …", "x, y: …".
+bool begins_with_field(std::string_view detail) {
+    const std::string_view begin = detail.substr(0, detail.find(':'));
+    if (begin.size() == detail.size() || begin.empty()) return false;
+    for (std::size_t i = 0; i < begin.size(); ++i) {
+        const char c = begin[i];
+        const bool in_path = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '.' ||
+                             c == '[' || c == ']' || c == ',';
+        if (!in_path && !(c == ' ' && i > 0 && begin[i - 1] == ',')) return false;
+    }
+    return true;
+}
+
+}  // namespace
+
+Error error_of_change(int i, const proto::Change& change, const Error& error) {
     const auto* kind = proto::Change::descriptor()->FindFieldByNumber(change.change_case());
-    return "changes[" + std::to_string(i) + "]" + (kind != nullptr ? "." + kind->name() + "." : ": ");
+    std::string name = "changes[" + std::to_string(i) + "]";
+    if (kind != nullptr) name += "." + kind->name();
+    return {error.code, name + (begins_with_field(error.detail) ? "." : ": ") + error.detail};
 }
 
 proto::Block* find_block(proto::Scene& message, std::string_view name) {
@@ -110,22 +135,36 @@ Result<void> settle(LiveDocument& document) {
         if (!plan) return plan.error();
         document.maps = std::make_shared<const std::vector<EditableMap>>(std::move(plan->maps));
     }
-    document.settled = true;
+    document.settled = document.maps_known = true;
     return {};
 }
 
+namespace {
+
+double thread_seconds() {
+    timespec time{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec) / 1e9;
+}
+
+}  // namespace
+
 Result<DocumentEdit> apply_to_document(const proto::Edit& edit, const EditInstant& instant,
-                                       LiveDocument& document) {
+                                       LiveDocument& document, Planning planning) {
     DocumentEdit done;
     LiveDocument next = document;
     int plans = 0;
+    const double begin = thread_seconds();
     for (int i = 0; i < edit.changes_size(); ++i) {
         const proto::Change& change = edit.changes(i);
-        if (change.has_paint_map() && !next.settled && ++plans > max_plans_of_edit)
-            return Error{ErrorCode::invalid_input,
-                         name_of_change(i, change) + "block: the edit plans the scene more than " +
-                             std::to_string(max_plans_of_edit) +
-                             " times; paint before setting parameters, or send several edits"};
+        if (change.has_paint_map() && !next.maps_known &&
+            (++plans > max_plans_of_edit ||
+             (planning == Planning::in_time && thread_seconds() - begin > most_planning_seconds)))
+            return error_of_change(i, change,
+                                   {ErrorCode::invalid_input,
+                                    "block: the edit plans the scene for the " + std::to_string(plans) +
+                                        "th time, which takes too long; paint before setting parameters, or "
+                                        "send several edits"});
         proto::Change inverse;
         Result<void> made;
         switch (change.change_case()) {
@@ -153,10 +192,12 @@ Result<DocumentEdit> apply_to_document(const proto::Edit& edit, const EditInstan
             case proto::Change::CHANGE_NOT_SET:
                 continue;
         }
-        if (!made) return Error{made.error().code, name_of_change(i, change) + made.error().detail};
+        if (!made) return error_of_change(i, change, made.error());
         done.inverses.push_back(std::move(inverse));
     }
-    if (auto settled = settle(next); !settled)
+    if (planning == Planning::later) {
+        // Of edits that were planned when they were accepted
+    } else if (auto settled = settle(next); !settled)
         return Error{settled.error().code, "changes: " + settled.error().detail};
     std::reverse(done.inverses.begin(), done.inverses.end());
     document = std::move(next);

@@ -23,8 +23,9 @@ struct LiveDocument {
     std::shared_ptr<const std::vector<EditableMap>> maps;  ///< Of `message`; null: none.
     Extent extent;
     SceneClock clock;
-    bool settled = true;  ///< `message` and `painted` were compiled: `maps` is theirs.
-    bool edited = false;  ///< `message` or `painted` are not as the file says.
+    bool settled = true;     ///< `message` and `painted` were planned.
+    bool maps_known = true;  ///< `maps` is that of `message`.
+    bool edited = false;     ///< `message` or `painted` are not as the file says.
 
     /// Of a loaded scene. Its clock shows step 0 at `now`.
     static LiveDocument of(const Scene& scene, SceneClock::Time now);
@@ -55,20 +56,34 @@ struct DocumentEdit {
 /// or so.
 inline constexpr int max_plans_of_edit = 32;
 
+/// Whether an edit is followed by a plan of the scene, which says whether it can be shown. A replay of edits
+/// that were planned once needs a plan where paint looks at maps, and one behind the last.
+enum class Planning : std::uint8_t {
+    now,
+    in_time,  ///< The same, but no more plans after most_planning_seconds: before an edit is accepted, never
+              ///< behind.
+    later,
+};
+
+/// Of a thread's time, after which an edit gets no further plan: it holds up all edits of blocks.
+inline constexpr double most_planning_seconds = 1;
+
 /// Makes all of an edit's changes that are not of sprites, or none. The same edit at the same instant on the
 /// same document gives the same document. Error: invalid_input; the message names the change and what is
 /// wrong.
 Result<DocumentEdit> apply_to_document(const proto::Edit& edit, const EditInstant& instant,
-                                       LiveDocument& document);
+                                       LiveDocument& document, Planning planning = Planning::now);
 
 /// Whether it changes anything but sprites.
 bool changes_document(const proto::Edit& edit);
 
-/// Whether the scene is planned anew for it, each time that it is replayed.
-bool plans_scene(const proto::Edit& edit);
+/// Whether the scene has to be planned anew before its maps are looked at again; and whether it looks at
+/// them.
+bool unsettles_scene(const proto::Edit& edit);
+bool looks_at_maps(const proto::Edit& edit);
 
-/// The start of a message on changes[i]: "changes[3].paint_map.".
-std::string name_of_change(int i, const proto::Change& change);
+/// What is wrong with changes[i]: "changes[3].paint_map.block: …", "changes[3].place_sprite: there is …".
+Error error_of_change(int i, const proto::Change& change, const Error& error);
 
 // One for each kind of change. `inverse` is what undoes it.
 Result<void> paint_map(const proto::MapPaint& paint, LiveDocument& document, proto::Change& inverse,

@@ -119,7 +119,14 @@ class LiveScene final : public SceneNow {
     };
 
     LiveScene(ScenePtr base, std::unique_ptr<Journal> journal);
+    // Of restarts (recovery.cpp)
     Result<void> recover(Progress& progress);
+    Result<void> replay(Revision head, Progress& progress);
+    void apply(const Edit& edit, Planning planning);
+    void count_planned(const std::vector<Change>& changes);
+    void keep_snapshot();
+    static proto::LiveState state_of(const PositioningMap& map, const LiveDocument& document,
+                                     Revision revision);
 
     // Each of these is called with the lock, and gives it back unlocked
     void commit(std::unique_lock<std::mutex> lock);
@@ -130,13 +137,8 @@ class LiveScene final : public SceneNow {
     void take_history(History history, Revision target);
     void ask_for_retries(std::vector<Work> refused);
     void take_back();
-    void apply(const Edit& edit);
     void publish();
-    void count_planned(const std::vector<Change>& changes);
-    void keep_snapshot();
     SceneClock::Time now_at() const;
-    static proto::LiveState state_of(const PositioningMap& map, const LiveDocument& document,
-                                     Revision revision);
 
     // Of edits that change more than sprites (ground_lane.cpp)
     void run_lane(std::stop_token stop);
@@ -159,6 +161,7 @@ class LiveScene final : public SceneNow {
     std::deque<Work> unprepared_;                   ///< That change more than sprites.
     std::shared_ptr<Group> in_commit_;              ///< The group that is being committed.
     bool group_waits_ = false;                      ///< One is prepared and not yet decided.
+    std::size_t most_in_next_ = max_in_group;       ///< Of the lane alone: fewer, after too much together.
     std::condition_variable_any lane_wakes_;
     std::jthread lane_;
     PageRevisions page_revisions_;
@@ -173,7 +176,10 @@ class LiveScene final : public SceneNow {
     std::vector<std::weak_ptr<Listener>> listeners_;
     std::jthread snapshots_;
     bool keeps_snapshot_ = false;
-    std::size_t planned_since_snapshot_ = 0;  ///< Edits that a restart would have to plan again.
+    std::size_t planned_since_snapshot_ = 0;  ///< Edits for which a restart would plan the scene.
+    bool replay_unsettled_ = false;           ///< The next that looks at maps is one of them.
+    bool snapshot_wanted_ = false;
+    static constexpr std::size_t page_revision_bytes = std::size_t{32} << 20;
 
     std::unique_ptr<Journal> owned_journal_;
     Journal* const journal_;  ///< The same; it still answers while it is being closed.

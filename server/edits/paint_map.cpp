@@ -5,6 +5,7 @@
 #include <string>
 
 #include "server/edits/live_document.h"
+#include "shared/result/in_quotes.h"
 
 namespace tessera {
 
@@ -25,10 +26,16 @@ const EditableMap* find_map(const LiveDocument& document, const std::string& blo
 }
 
 Error no_such_map(const LiveDocument& document, const std::string& block) {
+    constexpr std::size_t most_bytes = 512;
     std::string names;
     if (document.maps)
-        for (const EditableMap& map : *document.maps) names += (names.empty() ? "" : ", ") + map.block;
-    return wrong("block: \"" + block + "\" is no map that the scene file lists as editable" +
+        for (const EditableMap& map : *document.maps) {
+            names += (names.empty() ? "" : ", ") + map.block;
+            if (names.size() <= most_bytes) continue;
+            names.replace(most_bytes, std::string::npos, " and so on");
+            break;
+        }
+    return wrong("block: " + in_quotes(block) + " is no map that the scene file lists as editable" +
                  (names.empty() ? "; there is none" : "; there are: " + names));
 }
 
@@ -128,7 +135,8 @@ Result<void> write_inverse(const proto::MapPaint& paint, const StoredMap& map, s
 
 Result<void> paint_map(const proto::MapPaint& paint, LiveDocument& document, proto::Change& inverse,
                        std::vector<TexelBox>& dirty) {
-    if (auto settled = settle(document); !settled) return settled;
+    if (!document.maps_known)
+        if (auto settled = settle(document); !settled) return settled;
     const EditableMap* map = find_map(document, paint.block());
     if (map == nullptr) return no_such_map(document, paint.block());
     if (auto checked = check(paint, *map); !checked) return checked;

@@ -47,7 +47,7 @@ class TurnedImage {
     FootprintTaps footprints_;
     std::vector<Tap> taps_;
     std::vector<std::size_t> from_;  ///< Of each texel's taps, and behind the last.
-    /// Of footprints along the axes, whose weights are products: of each column and row of the result.
+    /// Of footprints along the axes whose weights are exact: products of each column's and row's.
     std::vector<Stretch> columns_, rows_;
     std::vector<double> axis_weights_;
 };

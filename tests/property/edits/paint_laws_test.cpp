@@ -11,6 +11,7 @@
 #include "server/edits/live_scene.h"
 #include "server/journal/open_journal.h"
 #include "server/pages/page_request.h"
+#include "tests/support/passing_journal.h"
 #include "tests/unit/server/edits/edited_pattern.h"
 #include "tests/unit/server/edits/made_scene.h"
 
@@ -21,32 +22,6 @@ std::uint64_t fresh_seed() {
     const char* const given = std::getenv("TESSERA_SEED");
     return given != nullptr ? std::strtoull(given, nullptr, 10) : std::random_device{}();
 }
-
-/// A journal that outlives the scene that writes into it.
-class SharedJournal final : public Journal {
-  public:
-    explicit SharedJournal(std::shared_ptr<Journal> journal) : journal_{std::move(journal)} {}
-    using Journal::append;
-    void append(std::vector<Append> batch, Handler<std::vector<AppendOutcome>> handler) override {
-        journal_->append(std::move(batch), std::move(handler));
-    }
-    void find(EditId id, Handler<Result<std::optional<Revision>>> handler) override {
-        journal_->find(id, std::move(handler));
-    }
-    Ticket follow(Revision from, Handler<History> handler) override {
-        return journal_->follow(from, std::move(handler));
-    }
-    void keep_snapshot(Snapshot snapshot, Handler<Result<void>> handler) override {
-        journal_->keep_snapshot(std::move(snapshot), std::move(handler));
-    }
-    void newest_snapshot(Revision at_most, Handler<Result<std::optional<Snapshot>>> handler) override {
-        journal_->newest_snapshot(at_most, std::move(handler));
-    }
-    JournalStatus status() const override { return journal_->status(); }
-
-  private:
-    std::shared_ptr<Journal> journal_;
-};
 
 EditOutcome edit_and_wait(LiveScene& live, proto::Edit edit) {
     if (edit.id().empty()) edit.set_id(to_string(random_edit_id()));
@@ -68,7 +43,7 @@ class Laws : public testing::Test {
     }
     void open() {
         live_.reset();
-        live_ = LiveScene::open(scene_, std::make_unique<SharedJournal>(journal_), progress_).value();
+        live_ = LiveScene::open(scene_, std::make_unique<tests::PassingJournal>(journal_), progress_).value();
     }
     std::int64_t below(std::int64_t bound) {
         return std::uniform_int_distribution<std::int64_t>{0, bound - 1}(random_);

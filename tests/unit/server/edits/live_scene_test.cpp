@@ -8,18 +8,19 @@
 
 #include "server/journal/journal_wait.h"
 #include "server/journal/open_journal.h"
+#include "tests/support/passing_journal.h"
 #include "tests/unit/server/edits/made_scene.h"
 
 namespace tessera {
 namespace {
 
 /// The journal of a scene that outlives what writes into it, and whose disk fails when a test says so.
-class FailingJournal final : public Journal {
+class FailingJournal final : public tests::PassingJournal {
   public:
     enum class Next { works, refuses, commits_but_cannot_tell };
 
     FailingJournal(std::shared_ptr<Journal> journal, std::function<Next()> next)
-        : journal_{std::move(journal)}, next_{std::move(next)} {}
+        : PassingJournal{std::move(journal)}, next_{std::move(next)} {}
 
     using Journal::append;
     void append(std::vector<Append> batch, Handler<std::vector<AppendOutcome>> handler) override {
@@ -29,30 +30,16 @@ class FailingJournal final : public Journal {
                 return handler(
                     std::vector<AppendOutcome>(count, Refused{RefusalReason::full, "the disk is full"}));
             case Next::commits_but_cannot_tell:
-                return journal_->append(std::move(batch), [handler, count](std::vector<AppendOutcome>) {
+                return PassingJournal::append(std::move(batch), [handler, count](std::vector<AppendOutcome>) {
                     handler(std::vector<AppendOutcome>(count, Unknown{}));
                 });
             case Next::works:
                 break;
         }
-        journal_->append(std::move(batch), std::move(handler));
+        PassingJournal::append(std::move(batch), std::move(handler));
     }
-    void find(EditId id, Handler<Result<std::optional<Revision>>> handler) override {
-        journal_->find(id, std::move(handler));
-    }
-    Ticket follow(Revision from, Handler<History> handler) override {
-        return journal_->follow(from, std::move(handler));
-    }
-    void keep_snapshot(Snapshot snapshot, Handler<Result<void>> handler) override {
-        journal_->keep_snapshot(std::move(snapshot), std::move(handler));
-    }
-    void newest_snapshot(Revision at_most, Handler<Result<std::optional<Snapshot>>> handler) override {
-        journal_->newest_snapshot(at_most, std::move(handler));
-    }
-    JournalStatus status() const override { return journal_->status(); }
 
   private:
-    std::shared_ptr<Journal> journal_;
     std::function<Next()> next_;
 };
 

@@ -1,7 +1,6 @@
 #include "server/filter/turned_image.h"
 
 #include <algorithm>
-#include <cstdlib>
 
 #include <gtest/gtest.h>
 
@@ -44,7 +43,7 @@ std::vector<std::uint16_t> integrated(const ImagePlacement& at, std::int32_t row
 
 TEST(TurnedImage, AlongTheAxesIsTheIntegralToo) {
     const std::vector<std::uint16_t> image = noise();
-    for (const double scale : {1.0, 0.25, 3.0, 1.37, 0.61})
+    for (const double scale : {1.0, 0.25, 4.0, 1.37})
         for (const double turns : {0.0, 0.25, 0.5, 0.75})
             for (const std::int32_t part : {1, 77, 128, 255}) {
                 const std::int32_t square = bounding_side(side, scale, turns);
@@ -60,11 +59,7 @@ TEST(TurnedImage, AlongTheAxesIsTheIntegralToo) {
                     turned.set_row(y);
                     turned.sum(image.data(), row.data());
                     const auto expected = integrated(at, y, image);
-                    // Powers of two are exact either way
-                    const int most = scale == 1 || scale == 0.25 ? 0 : 1;
-                    for (std::size_t i = 0; i < row.size(); ++i)
-                        ASSERT_LE(std::abs(int{row[i]} - int{expected[i]}), most)
-                            << scale << " turned by " << turns << ", " << part << ": " << i << ", " << y;
+                    ASSERT_EQ(row, expected) << scale << " turned by " << turns << ", " << part << ": " << y;
                 }
             }
 }

@@ -86,6 +86,35 @@ TEST_F(OpeningAJournal, KeepsItsPromisesInTheFile) {
     sqlite3_close(database);
 }
 
+TEST_F(OpeningAJournal, BringsAnOldOneUpToDate) {
+    std::filesystem::create_directories(folder_);
+    std::ifstream file{JOURNAL_OF_VERSION_1};
+    execute(std::string{std::istreambuf_iterator<char>{file}, {}});
+    for (const Revision head : {Revision{3}, Revision{4}}) {
+        const auto journal = open();
+        ASSERT_TRUE(journal) << journal.error().detail;
+        ASSERT_EQ((*journal)->status().head, head);
+        EXPECT_EQ(to_string((*journal)->status().lineage), "00112233-4455-6677-8899-aabbccddeeff");
+        std::vector<Edit> edits;
+        ASSERT_FALSE(for_each_edit(**journal, 1, head, [&](const Edit& edit) {
+            edits.push_back(edit);
+            return true;
+        }));
+        ASSERT_EQ(edits.size(), head);
+        EXPECT_EQ(edits[0].bytes, "the first edit");
+        EXPECT_EQ(to_string(edits[1].id), "20212223-2425-2627-2829-2a2b2c2d2e2f");
+        EXPECT_EQ(edits[2].accepted.time_since_epoch().count(), 1'760'000'002'000);
+        for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(edits[i].step, 0);
+        if (head == 4) {
+            EXPECT_EQ(edits[3].step, 77);
+            break;
+        }
+        Append next = edit(9, "with a step");
+        next.step = 77;
+        append_and_wait(**journal, {next});
+    }
+}
+
 TEST_F(OpeningAJournal, RefusesANewerVersion) {
     fill(3);
     execute("PRAGMA user_version=3");
