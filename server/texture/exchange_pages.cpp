@@ -107,12 +107,24 @@ Result<Evaluation> ExchangeWalk::sum_stamps(const Block& block, const Budget& bu
                     const std::int64_t from = std::max<std::int64_t>(y, 0);
                     const std::int64_t to = std::min<std::int64_t>(y + stamp.rows, count);
                     if (from >= to) continue;
+                    const StampSpans::Span* first_span = spans.spans.data() + stamp.first_span + (from - y);
+                    const std::int64_t x = unit_x + one.tile_x * tile_side;
+                    const auto rows = static_cast<std::int32_t>(to - from);
+                    if (stamp.box && x + first_span->begin >= 0 && x + first_span->end <= block.width) {
+                        const std::int32_t across = first_span->end - first_span->begin;
+                        for (std::size_t s = 0; s < sources_.size(); ++s)
+                            kernel.add_box(
+                                sources_[s]->stamps.row(block.level, *first_span),
+                                (across * 3 + StampSpans::row_floats - 1) / StampSpans::row_floats, rows,
+                                sums.row(s, static_cast<std::int32_t>(from)) + (x + first_span->begin) * 3,
+                                sums.stride());
+                        work += sources_.size() * std::size_t(across * rows);
+                        continue;
+                    }
                     for (std::size_t s = 0; s < sources_.size(); ++s)
-                        work += kernel.add_spans(spans.spans.data() + stamp.first_span + (from - y),
-                                                 static_cast<std::int32_t>(to - from),
-                                                 sources_[s]->stamps.values(block.level),
-                                                 unit_x + one.tile_x * tile_side, block.width,
-                                                 sums.row(s, static_cast<std::int32_t>(from)), sums.stride());
+                        work += kernel.add_spans(first_span, rows, sources_[s]->stamps.values(block.level), x,
+                                                 block.width, sums.row(s, static_cast<std::int32_t>(from)),
+                                                 sums.stride());
                 }
             }
         put(block, first, count, sums);

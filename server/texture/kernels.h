@@ -19,6 +19,11 @@ struct Kernels {
     std::size_t (*add_spans)(const StampSpans::Span* spans, std::int32_t count, const float* values,
                              std::int64_t x, std::int32_t width, float* rgb, std::ptrdiff_t stride);
 
+    /// Adds `count` rows of a stamp that is a box, each of 0 to 4 times StampSpans::row_floats values, one
+    /// row after the other.
+    void (*add_box)(const float* values, std::int32_t vectors, std::int32_t count, float* rgb,
+                    std::ptrdiff_t stride);
+
     /// Some rows of texels under units of a few texels.
     struct VariantBand {
         const std::uint16_t* types = nullptr;  ///< Of the first unit of the second row of units.

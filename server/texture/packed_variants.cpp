@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <span>
 #include <thread>
 
@@ -133,9 +134,7 @@ void lay(const Piece& piece, std::int32_t x, std::int32_t y, Ground& ground) {
 class Evenness {
   public:
     Evenness(const ExchangeAsset& asset, const Shapes& shapes)
-        : asset_{asset},
-          shapes_{shapes},
-          tile_{lightness_of(asset.tile)},
+        : tile_{lightness_of(asset.tile)},
           exemplar_{lightness_of(asset.exemplar)},
           sums_(tile_.size()) {
         std::int64_t sum = 0, squares = 0;
@@ -145,6 +144,10 @@ class Evenness {
         for (std::int32_t& value : exemplar_) value -= mean;
         for (const std::int32_t value : tile_) squares += std::int64_t{value} * value;
         variance_ = std::max<std::int64_t>(1, squares / std::ssize(tile_));
+        for (std::size_t shape = 0; shape < shapes.size(); ++shape) {
+            list_texels(asset, shapes, shape);
+            ends_.push_back(texels_.size());
+        }
     }
 
     /// One for each shape: its texels, and more if it brings the sums closer to 0, at least one.
@@ -154,9 +157,8 @@ class Evenness {
         std::vector<std::uint64_t> worths;
         for (const Piece& piece : pieces) {
             std::int64_t gain = 0;
-            for_each_texel(piece.shape, [&](std::size_t place, std::int32_t step) {
-                gain -= std::int64_t{sums_[place]} * step;
-            });
+            for (const Texel& texel : texels_of(piece.shape))
+                gain -= std::int64_t{sums_[texel.place]} * texel.step;
             const std::int64_t texels =
                 piece.texels + doubled * gain / (variance_ * std::max<std::int64_t>(occurrences_, 1));
             worths.push_back(
@@ -170,7 +172,7 @@ class Evenness {
         occurrences_ += tiles;
         for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i] += tiles * tile_[i];
         for (const Shown& shown : list)
-            for_each_texel(shown.shape, [&](std::size_t place, std::int32_t step) { sums_[place] += step; });
+            for (const Texel& texel : texels_of(shown.shape)) sums_[texel.place] += texel.step;
     }
 
   private:
@@ -182,28 +184,35 @@ class Evenness {
         return out;
     }
 
-    /// Places on the tile, and how much lighter the shape's texels are there.
-    template <class Call>
-    void for_each_texel(std::size_t shape, Call&& call) const {
-        const ExchangeAsset::Patch& patch = asset_.patches[shapes_[shape].patch];
-        const auto& content = patch.contents[shapes_[shape].content];
-        const std::int32_t wrap = asset_.tile_side - 1;
+    /// A place on the tile, and how much lighter a shape's texel is there.
+    struct Texel {
+        std::uint32_t place = 0;
+        std::int32_t step = 0;
+    };
+    std::span<const Texel> texels_of(std::size_t shape) const noexcept {
+        const std::size_t from = shape == 0 ? 0 : ends_[shape - 1];
+        return {texels_.data() + from, ends_[shape] - from};
+    }
+    void list_texels(const ExchangeAsset& asset, const Shapes& shapes, std::size_t shape) {
+        const ExchangeAsset::Patch& patch = asset.patches[shapes[shape].patch];
+        const auto& content = patch.contents[shapes[shape].content];
+        const std::int32_t wrap = asset.tile_side - 1;
         for (std::int32_t y = 0; y < patch.height; ++y) {
-            const std::size_t row = std::size_t((patch.y + y) & wrap) * std::size_t(asset_.tile_side);
+            const std::size_t row = std::size_t((patch.y + y) & wrap) * std::size_t(asset.tile_side);
             const std::int32_t* light =
-                exemplar_.data() + std::ptrdiff_t{content.at.y + y} * asset_.exemplar.width + content.at.x;
+                exemplar_.data() + std::ptrdiff_t{content.at.y + y} * asset.exemplar.width + content.at.x;
             for (std::int32_t x = 0; x < patch.width; ++x) {
                 if (!content.shape.at(x, y)) continue;
                 const std::size_t place = row + std::size_t((patch.x + x) & wrap);
-                call(place, light[x] - tile_[place]);
+                texels_.push_back({static_cast<std::uint32_t>(place), light[x] - tile_[place]});
             }
         }
     }
 
-    const ExchangeAsset& asset_;
-    const Shapes& shapes_;
     std::vector<std::int32_t> tile_, exemplar_;  ///< Lightness less the exemplar's mean, in codes.
     std::vector<std::int32_t> sums_;
+    std::vector<Texel> texels_;  ///< Shape by shape, …
+    std::vector<std::size_t> ends_;  ///< … up to here.
     std::int64_t variance_ = 1, occurrences_ = 0;
 };
 
@@ -247,25 +256,23 @@ Variants packed_variants(const ExchangeAsset& asset, const Shapes& shapes, std::
                 if (fits(pieces[i], pieces[i].x + tx * tile, pieces[i].y + ty * tile, bare))
                     places.push_back({static_cast<std::uint32_t>(i), tx, ty});
 
+    const int place_bits = static_cast<int>(std::bit_width(places.size()));
+    const std::uint64_t most_worth = ~std::uint64_t{0} >> place_bits;
+
     std::vector<std::vector<Shown>> lists(types);
     const auto pack = [&](std::uint32_t type, const std::vector<std::uint64_t>& worths) {
-        struct Try {
-            std::uint64_t worth = 0;
-            std::uint32_t place = 0;
-            bool operator<(const Try& other) const noexcept {
-                return worth != other.worth ? worth > other.worth : place < other.place;
-            }
-        };
-        std::vector<Try> order(places.size());
+        // Large worths first, and then small places: as one number, where there is room for both
+        std::vector<std::uint64_t> order(places.size());
         for (std::size_t i = 0; i < places.size(); ++i) {
             // Up to twice its worth
             const std::uint64_t bits = hash(seed, order_stream, type, static_cast<std::int64_t>(i));
-            order[i] = {worths[places[i].piece] * (65536 + bits % 65536), static_cast<std::uint32_t>(i)};
+            const std::uint64_t worth = worths[places[i].piece] * (65536 + bits % 65536);
+            order[i] = (most_worth - worth) << place_bits | i;
         }
         std::sort(order.begin(), order.end());
         Ground ground = bare;
-        for (const Try& next : order) {
-            const Place& place = places[next.place];
+        for (const std::uint64_t next : order) {
+            const Place& place = places[next & ((std::uint64_t{1} << place_bits) - 1)];
             const Piece& piece = pieces[place.piece];
             const std::int32_t x = piece.x + place.tile_x * tile, y = piece.y + place.tile_y * tile;
             if (!fits(piece, x, y, ground)) continue;

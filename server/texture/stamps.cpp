@@ -129,10 +129,25 @@ std::size_t TileLevels::memory_bytes() const noexcept {
     return bytes;
 }
 
+namespace {
+
+struct Row {
+    std::int32_t begin = 0, end = 0;
+};
+
+/// What all rows reach over.
+Row reach(const std::vector<Row>& rows) {
+    Row all;
+    for (const Row& row : rows)
+        if (row.begin != row.end)
+            all =
+                all.begin == all.end ? row : Row{std::min(all.begin, row.begin), std::max(all.end, row.end)};
+    return all;
+}
+
+}  // namespace
+
 StampSpans::StampSpans(const Shapes& shapes, int tile_level) : levels_(std::size_t(tile_level) + 1) {
-    struct Row {
-        std::int32_t begin = 0, end = 0;
-    };
     for (std::size_t s = 0; s < shapes.size(); ++s) {
         const Shapes::Shape& shape = shapes[s];
         std::int32_t y = shape.y;
@@ -157,9 +172,12 @@ StampSpans::StampSpans(const Shapes& shapes, int tile_level) : levels_(std::size
             std::swap(rows, coarse);
             y >>= 1;
             Level& out = levels_[std::size_t(level)];
-            out.stamps.push_back(
-                {y, static_cast<std::uint32_t>(rows.size()), static_cast<std::uint32_t>(out.spans.size())});
-            for (const Row& row : rows) {
+            const Row all = reach(rows);
+            const bool box = (all.end - all.begin) * 3 <= box_floats;
+            out.stamps.push_back({y, static_cast<std::uint32_t>(rows.size()),
+                                  static_cast<std::uint32_t>(out.spans.size()), box});
+            for (const Row& own : rows) {
+                const Row& row = box ? all : own;
                 const auto floats = static_cast<std::size_t>((row.end - row.begin) * 3);
                 out.spans.push_back(
                     {row.begin, row.end, static_cast<std::uint32_t>(out.floats / row_floats)});

@@ -44,6 +44,9 @@ class StampSpans {
     /// Values of a row are followed by zeros up to a multiple of so many floats, so that rows can be added in
     /// whole vectors: adding zero changes nothing.
     static constexpr std::int32_t row_floats = 8;
+    /// Stamps whose rows all together reach over no more floats have rows that begin and end alike, with
+    /// zeros where less is shown: as fast as a box.
+    static constexpr std::int32_t box_floats = 4 * row_floats;
 
     /// One row of a stamp: columns relative to the tile or unit that the shape lies on.
     struct Span {
@@ -54,6 +57,7 @@ class StampSpans {
         std::int32_t y = 0;  ///< Of the first row.
         std::uint32_t rows = 0;
         std::uint32_t first_span = 0;
+        bool box = false;  ///< See box_floats.
     };
     struct Level {
         std::vector<Stamp> stamps;  ///< By shape.

@@ -140,6 +140,24 @@ TEST(Kernels, SpansAreAddedWhereTheyFallInsideTheRow) {
     }
 }
 
+TEST(Kernels, ABoxIsAddedRowByRowAndNothingBesideIt) {
+    constexpr std::ptrdiff_t stride = 50;
+    std::vector<float> values;
+    for (std::int64_t i = 0; i < 5 * 32; ++i) values.push_back(float(random(i, 500) >> 50) / 1024.0F);
+    for (std::size_t k = 0; k < available_kernels().count; ++k)
+        for (std::int32_t vectors = 0; vectors <= 4; ++vectors) {
+            std::vector<float> rgb(std::size_t{6 * stride}, 0.25F);
+            available_kernels().items[k]->add_box(values.data(), vectors, 5, rgb.data() + 3, stride);
+            for (std::ptrdiff_t i = 0; i < std::ssize(rgb); ++i) {
+                const std::ptrdiff_t row = i / stride, column = i % stride - 3, across = vectors * 8;
+                const bool inside = row < 5 && column >= 0 && column < across;
+                ASSERT_EQ(rgb[std::size_t(i)],
+                          0.25F + (inside ? values[std::size_t(row * across + column)] : 0.0F))
+                    << available_kernels().items[k]->name << ", " << i;
+            }
+        }
+}
+
 TEST(Kernels, NodesAddOwnAndWhatHangsOverFromThreeNeighbours) {
     std::vector<NodeTables::Sums> table(64);
     for (std::size_t t = 0; t < table.size(); ++t)
