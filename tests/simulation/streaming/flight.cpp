@@ -9,7 +9,6 @@
 namespace tessera::testing {
 namespace {
 
-constexpr Extent extent{20};
 constexpr int width = 800, height = 700;
 constexpr double most_seconds = 60;
 
@@ -27,6 +26,7 @@ double link_seconds(const LinkSettings& link, double bytes) {
 
 FlightResult fly(const Flight& flight, const ResidencySettings& settings) {
     SimulatedStream stream{flight.link, blank};
+    const Extent extent = flight.extent;
     Residency residency{extent, stream, settings};
     FlightResult result;
     int moving_frames = 0;
@@ -75,7 +75,7 @@ FlightResult fly(const Flight& flight, const ResidencySettings& settings) {
 
 FlightResult fly_first_in_first_out(const Flight& flight) {
     SimulatedStream stream{flight.link, blank};
-    FifoClient client{extent, stream};
+    FifoClient client{flight.extent, stream};
     FlightResult result;
     int moving_frames = 0;
     for (int frame = 0;; ++frame) {

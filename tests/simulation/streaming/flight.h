@@ -15,7 +15,7 @@ struct Flight {
     std::function<Camera(double seconds)> camera;
     double moving_seconds = 2;
     Sampling sampling{Sampling::Kind::anisotropic};
-    bool pinned_before = false;  ///< The coarsest pages are there when it begins.
+    Extent extent{20};
 };
 
 struct FlightResult {

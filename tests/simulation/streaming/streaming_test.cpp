@@ -62,6 +62,22 @@ TEST(Streaming, AFastTurnOverAFastLinkIsSharperThanFirstInFirstOut) {
     EXPECT_GT(ours.sharp_share, 0.85);
 }
 
+/// While nothing has come, all levels are missing: of how many there are, the figure tells as much as of the
+/// client. With 2^20 texels a side they are 13, and not 21.
+TEST(Streaming, AFastTurnOverAFastLinkIsSharpAlmostAtOnceWhereThereAreFewLevels) {
+    Flight flight = turn(fast_link);
+    flight.extent = Extent{12};
+    const auto camera = flight.camera;
+    flight.camera = [camera](double seconds) {
+        Camera moved = camera(seconds);
+        moved.ground.x = moved.ground.y = 1 << 19;
+        return moved;
+    };
+    const FlightResult ours = fly(flight, {});
+    print(flight, "ours, 13 levels", ours);
+    EXPECT_LE(ours.mip_deficit, 0.35);
+}
+
 TEST(Streaming, AfterATeleportTheViewIsSharpAboutAsSoonAsTheLinkAllows) {
     for (const LinkSettings& link : {slow_link, fast_link}) {
         const Flight flight = teleport(link);
