@@ -1,8 +1,11 @@
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <bit>
 #include <span>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "server/texture/unit_choice.h"
 #include "shared/math/hash.h"
@@ -134,7 +137,9 @@ void lay(const Piece& piece, std::int32_t x, std::int32_t y, Ground& ground) {
 class Evenness {
   public:
     Evenness(const ExchangeAsset& asset, const Shapes& shapes)
-        : tile_{lightness_of(asset.tile)},
+        : asset_{asset},
+          shapes_{shapes},
+          tile_{lightness_of(asset.tile)},
           exemplar_{lightness_of(asset.exemplar)},
           sums_(tile_.size()) {
         std::int64_t sum = 0, squares = 0;
@@ -144,8 +149,16 @@ class Evenness {
         for (std::int32_t& value : exemplar_) value -= mean;
         for (const std::int32_t value : tile_) squares += std::int64_t{value} * value;
         variance_ = std::max<std::int64_t>(1, squares / std::ssize(tile_));
+        std::size_t texels = 0;
         for (std::size_t shape = 0; shape < shapes.size(); ++shape) {
-            list_texels(asset, shapes, shape);
+            const ExchangeAsset::Patch& patch = asset.patches[shapes[shape].patch];
+            texels += std::size_t(patch.width) * std::size_t(patch.height);
+        }
+        if (texels > most_listed) return;
+        for (std::size_t shape = 0; shape < shapes.size(); ++shape) {
+            find_texels(shape, [&](std::size_t place, std::int32_t step) {
+                texels_.push_back({static_cast<std::uint32_t>(place), step});
+            });
             ends_.push_back(texels_.size());
         }
     }
@@ -157,8 +170,9 @@ class Evenness {
         std::vector<std::uint64_t> worths;
         for (const Piece& piece : pieces) {
             std::int64_t gain = 0;
-            for (const Texel& texel : texels_of(piece.shape))
-                gain -= std::int64_t{sums_[texel.place]} * texel.step;
+            for_each_texel(piece.shape, [&](std::size_t place, std::int32_t step) {
+                gain -= std::int64_t{sums_[place]} * step;
+            });
             const std::int64_t texels =
                 piece.texels + doubled * gain / (variance_ * std::max<std::int64_t>(occurrences_, 1));
             worths.push_back(
@@ -172,7 +186,7 @@ class Evenness {
         occurrences_ += tiles;
         for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i] += tiles * tile_[i];
         for (const Shown& shown : list)
-            for (const Texel& texel : texels_of(shown.shape)) sums_[texel.place] += texel.step;
+            for_each_texel(shown.shape, [&](std::size_t place, std::int32_t step) { sums_[place] += step; });
     }
 
   private:
@@ -184,37 +198,61 @@ class Evenness {
         return out;
     }
 
-    /// A place on the tile, and how much lighter a shape's texel is there.
+    /// A place on the tile, and how much lighter a shape's texel is there. They are looked at once for each
+    /// batch of units: listed, unless the patches are very large.
     struct Texel {
         std::uint32_t place = 0;
         std::int32_t step = 0;
     };
-    std::span<const Texel> texels_of(std::size_t shape) const noexcept {
-        const std::size_t from = shape == 0 ? 0 : ends_[shape - 1];
-        return {texels_.data() + from, ends_[shape] - from};
+    static constexpr std::size_t most_listed = std::size_t{1} << 24;
+
+    template <class Call>
+    void for_each_texel(std::size_t shape, Call&& call) const {
+        if (ends_.empty()) return find_texels(shape, call);
+        for (std::size_t i = shape == 0 ? 0 : ends_[shape - 1]; i < ends_[shape]; ++i)
+            call(texels_[i].place, texels_[i].step);
     }
-    void list_texels(const ExchangeAsset& asset, const Shapes& shapes, std::size_t shape) {
-        const ExchangeAsset::Patch& patch = asset.patches[shapes[shape].patch];
-        const auto& content = patch.contents[shapes[shape].content];
-        const std::int32_t wrap = asset.tile_side - 1;
+    template <class Call>
+    void find_texels(std::size_t shape, Call&& call) const {
+        const ExchangeAsset::Patch& patch = asset_.patches[shapes_[shape].patch];
+        const auto& content = patch.contents[shapes_[shape].content];
+        const std::int32_t wrap = asset_.tile_side - 1;
         for (std::int32_t y = 0; y < patch.height; ++y) {
-            const std::size_t row = std::size_t((patch.y + y) & wrap) * std::size_t(asset.tile_side);
+            const std::size_t row = std::size_t((patch.y + y) & wrap) * std::size_t(asset_.tile_side);
             const std::int32_t* light =
-                exemplar_.data() + std::ptrdiff_t{content.at.y + y} * asset.exemplar.width + content.at.x;
+                exemplar_.data() + std::ptrdiff_t{content.at.y + y} * asset_.exemplar.width + content.at.x;
             for (std::int32_t x = 0; x < patch.width; ++x) {
                 if (!content.shape.at(x, y)) continue;
                 const std::size_t place = row + std::size_t((patch.x + x) & wrap);
-                texels_.push_back({static_cast<std::uint32_t>(place), light[x] - tile_[place]});
+                call(place, light[x] - tile_[place]);
             }
         }
     }
 
+    const ExchangeAsset& asset_;
+    const Shapes& shapes_;
     std::vector<std::int32_t> tile_, exemplar_;  ///< Lightness less the exemplar's mean, in codes.
     std::vector<std::int32_t> sums_;
-    std::vector<Texel> texels_;  ///< Shape by shape, …
+    std::vector<Texel> texels_;      ///< Shape by shape, …
     std::vector<std::size_t> ends_;  ///< … up to here.
     std::int64_t variance_ = 1, occurrences_ = 0;
 };
+
+/// Sorts numbers by the bits from `from` on; those alike there stay in their order. `scratch`: as long.
+void sort_by_bits(int from, std::vector<std::uint64_t>& numbers, std::vector<std::uint64_t>& scratch) {
+    constexpr int digit_bits = 11;
+    constexpr std::uint64_t digits = std::uint64_t{1} << digit_bits;
+    std::uint64_t used = 0;
+    for (const std::uint64_t number : numbers) used |= number;
+    for (int at = from; at < 64 && used >> at != 0; at += digit_bits) {
+        std::array<std::size_t, digits> place{};
+        for (const std::uint64_t number : numbers) ++place[number >> at & (digits - 1)];
+        std::size_t sum = 0;
+        for (std::size_t& count : place) sum += std::exchange(count, sum);
+        for (const std::uint64_t number : numbers) scratch[place[number >> at & (digits - 1)]++] = number;
+        numbers.swap(scratch);
+    }
+}
 
 }  // namespace
 
@@ -262,14 +300,18 @@ Variants packed_variants(const ExchangeAsset& asset, const Shapes& shapes, std::
     std::vector<std::vector<Shown>> lists(types);
     const auto pack = [&](std::uint32_t type, const std::vector<std::uint64_t>& worths) {
         // Large worths first, and then small places: as one number, where there is room for both
-        std::vector<std::uint64_t> order(places.size());
+        std::vector<std::uint64_t> order(places.size()), scratch(places.size());
+        std::uint64_t largest = 0;
         for (std::size_t i = 0; i < places.size(); ++i) {
             // Up to twice its worth
             const std::uint64_t bits = hash(seed, order_stream, type, static_cast<std::int64_t>(i));
-            const std::uint64_t worth = worths[places[i].piece] * (65536 + bits % 65536);
-            order[i] = (most_worth - worth) << place_bits | i;
+            const std::uint64_t worth =
+                std::min(worths[places[i].piece] * (65536 + bits % 65536), most_worth);
+            order[i] = worth;
+            largest = std::max(largest, worth);
         }
-        std::sort(order.begin(), order.end());
+        for (std::size_t i = 0; i < places.size(); ++i) order[i] = (largest - order[i]) << place_bits | i;
+        sort_by_bits(place_bits, order, scratch);
         Ground ground = bare;
         for (const std::uint64_t next : order) {
             const Place& place = places[next & ((std::uint64_t{1} << place_bits) - 1)];
