@@ -44,8 +44,9 @@ class InstanceTypes final : public TypeImages {
 
 }  // namespace
 
-std::shared_ptr<const TypeImages> make_instance_types(const ReferencePlan& plan) {
-    return std::make_shared<InstanceTypes>(plan, std::make_shared<const InstanceImages>(plan));
+std::shared_ptr<const TypeImages> make_instance_types(const ReferencePlan& plan,
+                                                      std::shared_ptr<const InstanceImages> images) {
+    return std::make_shared<InstanceTypes>(plan, std::move(images));
 }
 
 std::shared_ptr<const PatternTexture> make_instance_texture(const ReferencePlan& plan,

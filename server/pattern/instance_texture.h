@@ -16,6 +16,8 @@ std::shared_ptr<const PatternTexture> make_instance_texture(
     const ReferencePlan& plan, std::shared_ptr<const InstanceImages> images = nullptr);
 
 /// What the cells of a typed (or constant) reference texture with a constrained transform look like.
-std::shared_ptr<const TypeImages> make_instance_types(const ReferencePlan& plan);
+/// `images`: of the plan.
+std::shared_ptr<const TypeImages> make_instance_types(const ReferencePlan& plan,
+                                                      std::shared_ptr<const InstanceImages> images);
 
 }  // namespace tessera

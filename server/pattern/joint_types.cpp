@@ -5,8 +5,10 @@
 #include <map>
 #include <numeric>
 #include <utility>
+#include <vector>
 
 #include "server/pattern/instance_texture.h"
+#include "server/pattern/pattern_kept.h"
 #include "server/pattern/pattern_mips.h"
 #include "server/pattern/slice_cache.h"
 
@@ -162,14 +164,36 @@ class ColourCells final : public PartCells {
     std::array<float, 4> color_;
 };
 
+/// Instances that several parts show are rendered once.
+class SharedInstances {
+  public:
+    struct Found {
+        std::shared_ptr<const InstanceImages> images;
+        bool is_new = false;
+    };
+    Found of(const ReferencePlan& plan) {
+        auto images = kept_.instances(plan);
+        const bool is_new = std::find(known_.begin(), known_.end(), images) == known_.end();
+        if (is_new) known_.push_back(images);
+        return {std::move(images), is_new};
+    }
+
+  private:
+    PatternKept kept_;
+    std::vector<std::shared_ptr<const InstanceImages>> known_;
+};
+
 class ReferenceCells final : public PartCells {
   public:
-    ReferenceCells(const ReferencePlan& plan, const Grid& grid)
+    ReferenceCells(const ReferencePlan& plan, const Grid& grid, SharedInstances& instances)
         : plan_{plan}, cell_log2_{grid.cell_log2}, repeat_{grid.cell_slices == 0} {
-        if (plan.transform != nullptr)
-            images_ = make_instance_types(plan);
-        else
+        if (plan.transform != nullptr) {
+            auto found = instances.of(plan);
+            counts_images_ = found.is_new;
+            images_ = make_instance_types(plan, std::move(found.images));
+        } else {
             images_ = std::make_shared<PatternTypes>(plan);
+        }
     }
     void draw(std::uint16_t type, std::int32_t slice, LinearImage& out) const override {
         if (repeat_) slice %= images_->slices();
@@ -185,24 +209,28 @@ class ReferenceCells final : public PartCells {
                 std::copy_n(cell.row(y), side * 4, out.row(i / cells * side + y) + i % cells * side * 4);
         }
     }
-    std::size_t memory_bytes() const noexcept override { return sizeof *this + images_->memory_bytes(); }
+    std::size_t memory_bytes() const noexcept override {
+        return sizeof *this + (counts_images_ ? images_->memory_bytes() : 0);
+    }
     std::string description() const override { return images_->description(); }
 
   private:
     ReferencePlan plan_;
     int cell_log2_;
     bool repeat_;
+    bool counts_images_ = true;  ///< Else another part does.
     std::shared_ptr<const TypeImages> images_;
 };
 
-std::unique_ptr<const PartCells> make_cells(const JointPart& part, const Grid& grid);
+std::unique_ptr<const PartCells> make_cells(const JointPart& part, const Grid& grid,
+                                            SharedInstances& instances);
 
 /// Layers, premultiplied over from the ground up.
 class LayerCells final : public PartCells {
   public:
-    LayerCells(const JointPart& whole, const Grid& grid) {
+    LayerCells(const JointPart& whole, const Grid& grid, SharedInstances& instances) {
         for (const JointPart& part : whole.parts)
-            layers_.push_back({part.color, is_colour(part) ? nullptr : make_cells(part, grid)});
+            layers_.push_back({part.color, is_colour(part) ? nullptr : make_cells(part, grid, instances)});
     }
     void draw(std::uint16_t type, std::int32_t slice, LinearImage& out) const override {
         std::fill(out.values.begin(), out.values.end(), 0.0F);
@@ -246,12 +274,12 @@ class LayerCells final : public PartCells {
 /// A map's families, each where it has their number.
 class MaskedCells final : public PartCells {
   public:
-    MaskedCells(const JointPart& whole, const Grid& grid) : map_{*whole.map} {
+    MaskedCells(const JointPart& whole, const Grid& grid, SharedInstances& instances) : map_{*whole.map} {
         const std::vector<std::int32_t> shown = possible_values(map_);
         for (std::size_t family = 0; family < whole.parts.size(); ++family) {
             const bool is_shown =
                 std::binary_search(shown.begin(), shown.end(), static_cast<std::int32_t>(family));
-            families_.push_back(is_shown ? make_cells(whole.parts[family], grid) : nullptr);
+            families_.push_back(is_shown ? make_cells(whole.parts[family], grid, instances) : nullptr);
         }
     }
     void draw(std::uint16_t type, std::int32_t slice, LinearImage& out) const override {
@@ -285,10 +313,11 @@ class MaskedCells final : public PartCells {
     std::vector<std::unique_ptr<const PartCells>> families_;  ///< Null where none is shown.
 };
 
-std::unique_ptr<const PartCells> make_cells(const JointPart& part, const Grid& grid) {
-    if (part.reference != nullptr) return std::make_unique<ReferenceCells>(*part.reference, grid);
-    if (part.map != nullptr) return std::make_unique<MaskedCells>(part, grid);
-    if (!part.parts.empty()) return std::make_unique<LayerCells>(part, grid);
+std::unique_ptr<const PartCells> make_cells(const JointPart& part, const Grid& grid,
+                                            SharedInstances& instances) {
+    if (part.reference != nullptr) return std::make_unique<ReferenceCells>(*part.reference, grid, instances);
+    if (part.map != nullptr) return std::make_unique<MaskedCells>(part, grid, instances);
+    if (!part.parts.empty()) return std::make_unique<LayerCells>(part, grid, instances);
     return std::make_unique<ColourCells>(part.color);
 }
 
@@ -298,8 +327,9 @@ class JointTypes final : public TypeImages {
         : cell_log2_{grid.cell_log2},
           repeat_{grid.cell_slices == 0},
           slices_{slices},
-          distinct_{std::move(distinct)},
-          cells_{make_cells(whole, grid)} {
+          distinct_{std::move(distinct)} {
+        SharedInstances instances;
+        cells_ = make_cells(whole, grid, instances);
         // Coarse images lie ready, as many levels as take little
         const std::uint64_t most = slices > 1 ? kept_bytes_of_many : kept_bytes;
         first_kept_ = cell_log2_ + 1;
