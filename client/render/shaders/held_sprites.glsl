@@ -82,12 +82,18 @@ vec4 held_level(HeldSprite sprite, int level, vec2 ground) {
 #endif
 }
 
-// One point between levels, by the image's own MIP levels: where a footprint takes many of them
+// One point between levels, by the image's own MIP levels: where a footprint takes many of them. Four samples spread as
+// far as a page's texel and its filter do.
 vec4 held_probe(HeldSprite sprite, vec2 ground, float level) {
-    float side = exp2(level) * length(sprite.along);
-    vec2 width = exp2(level) * (abs(sprite.along) + abs(sprite.along.yx));
-    return held_point(sprite, into_pattern(sprite, ground - sprite.middle) + 0.5 * held_side, width,
-                      max(log2(side), 0.0));
+    vec2 across = exp2(level) * sprite.along, down = vec2(-across.y, across.x), width = abs(across) + abs(down);
+    vec2 middle = into_pattern(sprite, ground - sprite.middle) + 0.5 * held_side;
+    float image_level = max(log2(length(across)) - 1.0, 0.0);
+    vec4 sum = vec4(0.0);
+    for (int i = 0; i < 4; ++i) {
+        vec2 part = 0.9 * (vec2(i & 1, i >> 1) - 0.5);
+        sum += held_point(sprite, middle + part.x * across + part.y * down, width, image_level);
+    }
+    return 0.25 * sum;
 }
 
 vec4 held_filtered(HeldSprite sprite, Footprint footprint) {

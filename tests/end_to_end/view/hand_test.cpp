@@ -1,0 +1,288 @@
+// Hands over a real server: what they hold looks as the pages will, and gives way to them in one frame.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <iostream>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "client/render/gl_context.h"
+#include "client/view/frame_painter.h"
+#include "client/view/hand_desk.h"
+#include "client/view/hand_view.h"
+#include "client/view/stream_page_source.h"
+#include "tests/end_to_end/live_edit/live_scene.h"
+
+namespace tessera {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr int side = 320;
+constexpr std::int32_t pattern_side = 32;
+constexpr std::int64_t middle = 4096;
+
+/// A scene whose one pattern is a leaf with a soft edge, over one colour.
+struct LeafScene : test::LiveScene {
+    LeafScene() {
+        std::vector<std::uint8_t> texels;
+        for (int y = 0; y < pattern_side; ++y)
+            for (int x = 0; x < pattern_side; ++x) {
+                const double u = (x + 0.5) / pattern_side * 2 - 1, v = (y + 0.5) / pattern_side * 2 - 1;
+                const double inside = 1 - std::hypot(u * 1.5, v);
+                texels.push_back(static_cast<std::uint8_t>(120 + 100 * u));
+                texels.push_back(static_cast<std::uint8_t>(140 + 80 * v));
+                texels.push_back(static_cast<std::uint8_t>(std::abs(u) < 0.1 ? 220 : 60));
+                texels.push_back(static_cast<std::uint8_t>(255 * std::clamp(inside * 4, 0.0, 1.0)));
+            }
+        png_image image{};
+        image.version = PNG_IMAGE_VERSION;
+        image.width = image.height = pattern_side;
+        image.format = PNG_FORMAT_RGBA;
+        const std::filesystem::path folder = file("sprites");
+        png_image_write_to_file(&image, (folder / "patterns.png").c_str(), 0, texels.data(), 0, nullptr);
+        std::ofstream{folder / "scene.json"}
+            << R"({"constant": {"color": {"red": 90, "green": 110, "blue": 140}}, "extent_log2_pages": 6,
+                   "sprites": {"patterns": {"image": "patterns.png", "side_texels": 32}}})";
+    }
+};
+
+struct Difference {
+    int most = 0;
+    double mean = 0;
+};
+
+/// Of a square of pixels around a point.
+Difference difference(const Rgba8Image& a, const Rgba8Image& b, int x = side / 2, int y = side / 2,
+                      int reach = side / 2) {
+    Difference found;
+    for (int row = std::max(0, y - reach); row < std::min(side, y + reach); ++row)
+        for (int i = 4 * std::max(0, x - reach); i < 4 * std::min(side, x + reach); ++i) {
+            const int one = std::abs(int{a.row(row)[i]} - int{b.row(row)[i]});
+            found.most = std::max(found.most, one);
+            found.mean += one;
+        }
+    found.mean /= 16.0 * reach * reach;
+    return found;
+}
+
+class HandOverServer : public ::testing::Test {
+  protected:
+    HandOverServer() : server{scene.arguments()}, address{"127.0.0.1", server.port()} {
+        auto made = make_headless_context();
+        if (!made) throw std::runtime_error{made.error().detail};
+        context = std::move(*made);
+        auto read = read_scene_info(address, "sprites");
+        if (!read) throw std::runtime_error{read.error().detail};
+        info = *read;
+        target.emplace(side, side);
+        source = std::make_unique<StreamPageSource>(address, info, ChannelSet::albedo, "Ada");
+        plane = std::move(PlaneScene::make(info.extent, *source, {}).value());
+        painter = std::make_unique<FramePainter>(*plane);
+        desk = std::make_unique<HandDesk>(*source->stream(), address, info, "Ada");
+        desk->is_open = true;
+    }
+
+    /// The next frame's picture.
+    const Rgba8Image& frame() {
+        now += ClientTime{16};
+        ViewFrame shown{.camera = camera, .width = side, .height = side, .time = now, .filter = filter};
+        const PlaneView view = shown.view();
+        desk->advance({.now = now,
+                       .texels_per_pixel = HandPicture{view}.texels_per_pixel(side / 2, side / 2),
+                       .view = {middle - 1000, middle - 1000, middle + 1000, middle + 1000}});
+        desk->fill(shown);
+        for (const std::int32_t pattern : desk->take_new_pictures())
+            plane->held_patterns().set_pattern(pattern, *desk->picture(pattern), desk->pattern_side_texels());
+        desk->want_picture(0);
+        outcome = painter->update(shown);
+        if (const auto drawn = painter->draw(shown, *target); !drawn)
+            throw std::runtime_error{drawn.error().detail};
+        desk->drawn(outcome);
+        return picture = target->read();
+    }
+    template <class Done>
+    bool until(Done done) {
+        for (int i = 0; i < 1500; ++i) {
+            frame();
+            if (done()) return true;
+            source->wait(milliseconds{10});
+        }
+        return false;
+    }
+    bool is_quiet() const {
+        return desk->edits().waiting() == 0 && desk->hand().carries().empty() && outcome.is_current() &&
+               outcome.is_sharp();
+    }
+    /// Whether every page that is seen and has the sprite is shown without it.
+    bool is_lifted() const {
+        const Residency& residency = plane->residency();
+        const auto holds = desk->hand().carries().holds();
+        if (holds.empty() || !outcome.is_sharp()) return false;
+        return std::ranges::all_of(outcome.sampled, [&](const NeededPage& page) {
+            const auto shown = residency.table().shown_for(page.key);
+            return !meets_any(box_of_page(page.key), holds.back().lifted_boxes) ||
+                   (shown && shown->slot >= residency.cache().capacity());
+        });
+    }
+    void begin() {
+        ASSERT_TRUE(until([&] { return desk->may_edit() && desk->picture(0) && is_quiet(); }));
+    }
+    HandPoint at(double x, double y) const {
+        return {middle * sprite_units + static_cast<std::int64_t>(x * sprite_units),
+                middle * sprite_units + static_cast<std::int64_t>(y * sprite_units)};
+    }
+    void place(double x, double y) {
+        Hand& hand = desk->hand();
+        hand.choose(0);
+        hand.press(at(x, y), false);
+        hand.release(at(x, y), false);
+        hand.choose(std::nullopt);
+        hand.hover(std::nullopt);
+    }
+    void look_down(double texels_per_pixel) {
+        camera = {.ground = {middle, middle}, .pitch_degrees = -90};
+        camera.height_texels =
+            texels_per_pixel * side / 2 / std::tan(camera.field_of_view_degrees * 3.14159265 / 360);
+    }
+    /// Frames from now on until the pages show all: the worst that any differs from the first.
+    Difference worst_until_quiet(const Rgba8Image& first) {
+        Difference worst;
+        EXPECT_TRUE(until([&] {
+            const Difference now_differs = difference(first, picture);
+            worst.most = std::max(worst.most, now_differs.most);
+            worst.mean = std::max(worst.mean, now_differs.mean);
+            return is_quiet();
+        }));
+        return worst;
+    }
+
+    LeafScene scene;
+    test::Program server;
+    ServerAddress address;
+    std::unique_ptr<GlContext> context;
+    SceneInfo info;
+    std::unique_ptr<StreamPageSource> source;
+    std::unique_ptr<PlaneScene> plane;
+    std::unique_ptr<FramePainter> painter;
+    std::unique_ptr<HandDesk> desk;
+    std::optional<FrameTarget> target;
+    Camera camera;
+    FilterChoice filter{};
+    ResidencyFrame outcome;
+    Rgba8Image picture;
+    ClientTime now{};
+};
+
+TEST_F(HandOverServer, WhatIsHeldLooksAsThePagesWillAtEveryLevelScaleAndTurn) {
+    look_down(1);
+    begin();
+    place(0.3, 0.7);
+    ASSERT_TRUE(until([&] { return is_quiet() && desk->hand().book().size() == 1; }));
+    Hand& hand = desk->hand();
+    hand.select_all();
+    ASSERT_EQ(hand.selected().size(), 1u);
+    // Codes of 255; where a footprint takes many probes these read the pattern's own MIP levels
+    struct Case {
+        double texels_per_pixel, scale, turns;
+        FilterChoice filter{};
+        double pitch = -90;
+        int most = 4;
+    };
+    const FilterChoice anisotropic{Filter::anisotropic}, supersample{Filter::supersample, 2};
+    for (const Case& one :
+         {Case{0.3, 1.5, 0}, Case{0.3, 2.3, 0.13}, Case{1, 1, 0.25}, Case{1, 3.1, 0.07}, Case{2.7, 4, 0.41},
+          Case{6, 4, 0.3}, Case{1.4, 3, 0.2, {Filter::bilinear}}, Case{2, 3, 0.6, {Filter::nearest}},
+          Case{0.5, 1, 0.37, anisotropic}, Case{1.2, 3.5, 0.8, anisotropic, -35, 12},
+          Case{1.2, 3, 0.1, supersample, -60, 12}}) {
+        filter = one.filter;
+        look_down(one.texels_per_pixel);
+        camera.pitch_degrees = one.pitch;
+        if (one.pitch > -90)
+            camera.ground.y +=
+                static_cast<std::int64_t>(camera.height_texels / std::tan(-one.pitch * 3.14159265 / 180));
+        ASSERT_TRUE(until([&] { return is_quiet(); }));
+        const Rgba8Image before = picture;
+        hand.preview_scale(one.scale);
+        hand.preview_turns(one.turns);
+        // Lifted from the pages, and in the hand alone
+        ASSERT_TRUE(until([&] { return is_lifted(); }));
+        const Rgba8Image held = frame();
+        EXPECT_GT(difference(before, held).most, 20) << "it has changed";
+        hand.put_preview();
+        const Difference worst = worst_until_quiet(held);
+        std::cout << name_of(filter.filter) << ", " << one.texels_per_pixel << " texels a pixel, scale "
+                  << one.scale << ", turn " << one.turns << ": at most " << worst.most << " codes, "
+                  << worst.mean << " on average\n";
+        EXPECT_LE(worst.most, one.most);
+        EXPECT_LE(worst.mean, 0.2);
+    }
+}
+
+TEST_F(HandOverServer, ADragShowsTheSpriteOnceInEveryFrameAndUndoBringsThePictureBack) {
+    look_down(1);
+    begin();
+    const Rgba8Image empty = picture;
+    place(-60, 0);
+    ASSERT_TRUE(until([&] { return is_quiet() && desk->hand().book().size() == 1; }));
+    const Rgba8Image placed = picture;
+    constexpr int old_x = side / 2 - 60, new_x = side / 2 + 70, reach = 30;
+    ASSERT_GT(difference(empty, placed, old_x, side / 2, reach).most, 50);
+
+    Hand& hand = desk->hand();
+    ASSERT_TRUE(hand.press(at(-60, 2), false));
+    // The page without it comes; it stays where it is, in the hand
+    ASSERT_TRUE(until([&] {
+        EXPECT_LE(difference(placed, picture, old_x, side / 2, reach).most, 60);
+        return is_lifted();
+    }));
+    hand.drag(at(70, 2), true, false);
+    const Rgba8Image dragged = frame();
+    EXPECT_LE(difference(empty, dragged, old_x, side / 2, reach).most, 1) << "not where it was";
+    EXPECT_GT(difference(empty, dragged, new_x, side / 2, reach).most, 50) << "in the same frame";
+
+    hand.release(at(70, 2), true);
+    int frames = 0;
+    ASSERT_TRUE(until([&] {
+        ++frames;
+        EXPECT_LE(difference(empty, picture, old_x, side / 2, reach).most, 1) << "never in both places";
+        EXPECT_LE(difference(dragged, picture, new_x, side / 2, reach).most, 8) << "never in none";
+        return is_quiet();
+    }));
+    EXPECT_GT(frames, 1);
+    EXPECT_TRUE(outcome.ended_holds.empty() || desk->hand().held().empty());
+
+    desk->undo();
+    ASSERT_TRUE(until([&] { return is_quiet(); }));
+    EXPECT_EQ(difference(placed, picture).most, 0) << "the same pages, byte for byte";
+    desk->redo();
+    ASSERT_TRUE(until([&] { return is_quiet(); }));
+    EXPECT_LE(difference(dragged, picture, new_x, side / 2, reach).most, 8);
+}
+
+TEST_F(HandOverServer, WhatTheServerRefusesGoesBackAndIsSaid) {
+    look_down(1);
+    begin();
+    place(0, 0);
+    ASSERT_TRUE(until([&] { return is_quiet() && desk->hand().book().size() == 1; }));
+    const Rgba8Image placed = picture;
+    // Somebody else takes it away while it is in the hand
+    Hand& hand = desk->hand();
+    ASSERT_TRUE(hand.press(at(0, 0), false));
+    hand.drag(at(40, 40), true, false);
+    BackgroundStreamClient other{address, "sprites", {}};
+    proto::Edit edit;
+    edit.add_changes()->mutable_remove_sprite()->set_id(hand.selected().front());
+    other.edit(edit);
+    ASSERT_TRUE(until([&] { return desk->hand().book().size() == 0; }));
+    hand.release(at(40, 40), true);
+    ASSERT_TRUE(until([&] { return !desk->message().empty(); }));
+    ASSERT_TRUE(until([&] { return is_quiet(); }));
+    EXPECT_GT(difference(placed, picture).most, 50) << "it is gone";
+    EXPECT_TRUE(hand.held().empty());
+    EXPECT_TRUE(hand.selected().empty());
+}
+
+}  // namespace
+}  // namespace tessera
