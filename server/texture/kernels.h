@@ -19,7 +19,7 @@ struct Kernels {
     std::size_t (*add_spans)(const StampSpans::Span* spans, std::int32_t count, const float* values,
                              std::int64_t x, std::int32_t width, float* rgb, std::ptrdiff_t stride);
 
-    /// Adds `count` rows of a stamp that is a box, each of 0 to 4 times StampSpans::row_floats values, one
+    /// Adds `count` rows of a stamp that is a box, each of 0 to 6 times StampSpans::row_floats values, one
     /// row after the other.
     void (*add_box)(const float* values, std::int32_t vectors, std::int32_t count, float* rgb,
                     std::ptrdiff_t stride);

@@ -46,7 +46,7 @@ class StampSpans {
     static constexpr std::int32_t row_floats = 8;
     /// Stamps whose rows all together reach over no more floats have rows that begin and end alike, with
     /// zeros where less is shown: as fast as a box.
-    static constexpr std::int32_t box_floats = 4 * row_floats;
+    static constexpr std::int32_t box_floats = 6 * row_floats;
 
     /// One row of a stamp: columns relative to the tile or unit that the shape lies on.
     struct Span {

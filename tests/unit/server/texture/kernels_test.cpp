@@ -141,11 +141,11 @@ TEST(Kernels, SpansAreAddedWhereTheyFallInsideTheRow) {
 }
 
 TEST(Kernels, ABoxIsAddedRowByRowAndNothingBesideIt) {
-    constexpr std::ptrdiff_t stride = 50;
+    constexpr std::ptrdiff_t stride = 60;
     std::vector<float> values;
-    for (std::int64_t i = 0; i < 5 * 32; ++i) values.push_back(float(random(i, 500) >> 50) / 1024.0F);
+    for (std::int64_t i = 0; i < 5 * 48; ++i) values.push_back(float(random(i, 500) >> 50) / 1024.0F);
     for (std::size_t k = 0; k < available_kernels().count; ++k)
-        for (std::int32_t vectors = 0; vectors <= 4; ++vectors) {
+        for (std::int32_t vectors = 0; vectors <= 6; ++vectors) {
             std::vector<float> rgb(std::size_t{6 * stride}, 0.25F);
             available_kernels().items[k]->add_box(values.data(), vectors, 5, rgb.data() + 3, stride);
             for (std::ptrdiff_t i = 0; i < std::ssize(rgb); ++i) {
