@@ -4,6 +4,7 @@
 #include <new>
 
 #include <CLI/CLI.hpp>
+#include <google/protobuf/stubs/logging.h>
 
 #include "server/access/commands.h"
 #include "server/accuracy/commands.h"
@@ -20,6 +21,8 @@ int main(int argc, char** argv) {
     app.require_subcommand(1);
     app.set_help_all_flag("--help-all", "Help of every subcommand");
     app.set_version_flag("--version", std::string{"tessera "} + TESSERA_VERSION);
+    // What clients send wrongly is told them in our words; lines on stderr would come at anybody's will
+    google::protobuf::SetLogHandler(nullptr);
     int exit_code = 0;
     tessera::add_serve_command(app, exit_code);
     tessera::add_token_command(app, exit_code);

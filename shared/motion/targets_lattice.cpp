@@ -17,6 +17,9 @@ namespace {
 /// Doubles only pick which places are asked: from so much further than need be, in texels.
 constexpr double margin = 0.01;
 
+/// Rows that are looked at for one ring on one walk: some milliseconds.
+constexpr std::int64_t most_rows = 1 << 16;
+
 /// Columns of a row, from the first to the last.
 struct Columns {
     std::int64_t first = 0, last = -1;
@@ -112,7 +115,14 @@ class TargetDistance::Search {
             double way = way_of(parts);
             if (!may_pass(parts, radius, way)) continue;
             Rows rows = rows_of(parts, radius, way);
+            std::int64_t looked = 0;
             const auto look_at = [&](std::int64_t row) {
+                if (++looked > most_rows) {
+                    // Nobody waits for that: it stays so for this step
+                    found_.meet({step_, add_steps(step_, 1)});
+                    way = 0;
+                    return;
+                }
                 if (!is_passed(parts.front(), radius, way, row) || !look_at_row(parts, radius, row)) return;
                 way = way_of(parts);
                 rows = rows_of(parts, radius, way);
@@ -155,9 +165,21 @@ class TargetDistance::Search {
         for (const Part& part : parts) way = std::max(way, part.speed * steps_of(part));
         return way;
     }
+    /// Whether a part's discs come to the rectangle at all.
+    bool comes_near(const Part& part, double radius) const noexcept {
+        const double steps = steps_of(part), reach = radius + margin;
+        const auto overlaps = [&](double from, double by, double size) {
+            const double to = from + by * steps;
+            return std::max(from, to) + reach >= 0 && std::min(from, to) - reach <= size;
+        };
+        return overlaps(part.x, part.by_x, width_) && overlaps(part.y, part.by_y, height_);
+    }
     /// Whether a ring may pass any of the places: neither all are further off, nor all inside.
     template <std::size_t count>
     bool may_pass(const std::array<Part, count>& parts, double radius, double way) const noexcept {
+        if (std::none_of(parts.begin(), parts.end(),
+                         [&](const Part& part) { return comes_near(part, radius); }))
+            return false;
         const double x = parts.front().x, y = parts.front().y;
         if (way == 0) return false;
         const double near_x = std::max({-x, x - width_, 0.0}), near_y = std::max({-y, y - height_, 0.0});
