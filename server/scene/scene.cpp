@@ -1,8 +1,13 @@
 #include "server/scene/scene.h"
 
 #include <algorithm>
+#include <atomic>
 #include <fstream>
+#include <optional>
 #include <sstream>
+#include <system_error>
+#include <thread>
+#include <vector>
 
 #include "proto/scene.pb.h"
 
@@ -81,6 +86,33 @@ Result<ScenePtr> load_named(const fs::path& folder, const std::string& id) {
     }
 }
 
+struct NamedFolder {
+    fs::path path;
+    std::string name;
+};
+
+/// As many scenes at a time as there are processors, up to 4. Those behind `stop` are empty.
+std::vector<std::optional<Result<ScenePtr>>> load_all(const std::vector<NamedFolder>& folders,
+                                                      const std::stop_token& stop) {
+    constexpr unsigned most_at_once = 4;
+    std::vector<std::optional<Result<ScenePtr>>> loaded(folders.size());
+    std::atomic<std::size_t> next{0};
+    const auto run = [&] {
+        for (std::size_t i = next++; i < folders.size() && !stop.stop_requested(); i = next++)
+            loaded[i] = load_named(folders[i].path, folders[i].name);
+    };
+    std::vector<std::jthread> helpers;
+    try {
+        for (unsigned i = 1; i < std::min(most_at_once, std::thread::hardware_concurrency()); ++i)
+            if (i < folders.size()) helpers.emplace_back(run);
+    } catch (const std::system_error&) {
+        // No more threads: those that there are do it
+    }
+    run();
+    helpers.clear();
+    return loaded;
+}
+
 }  // namespace
 
 bool is_scene_id(std::string_view id) {
@@ -121,19 +153,24 @@ Result<Catalog> load_catalog(const fs::path& folder, std::stop_token stop) {
     }
     std::sort(folders.begin(), folders.end());
 
-    Catalog catalog;
+    std::vector<NamedFolder> named;
     for (const fs::path& path : folders) {
-        if (stop.stop_requested()) return Error{ErrorCode::cancelled, "loading was stopped"};
         // The entry's own name, not what a link leads to: two links to folders of one name are two scenes
         fs::path name = path.filename();
         if (name.empty() || name == "." || name == "..")
             name = fs::weakly_canonical(path, failure).filename();
         if (name.string().starts_with('.')) continue;  // what a preparation has not finished
-        if (auto scene = load_named(path, name.string())) {
-            catalog.scenes.emplace((*scene)->id, *scene);
-        } else {
-            catalog.broken.push_back({name.string(), scene.error().detail});
-        }
+        named.push_back({path, name.string()});
+    }
+    const auto loaded = load_all(named, stop);
+    if (stop.stop_requested()) return Error{ErrorCode::cancelled, "loading was stopped"};
+
+    Catalog catalog;
+    for (std::size_t i = 0; i < named.size(); ++i) {
+        if (*loaded[i])
+            catalog.scenes.emplace((**loaded[i])->id, **loaded[i]);
+        else
+            catalog.broken.push_back({named[i].name, loaded[i]->error().detail});
     }
     return catalog;
 }

@@ -122,7 +122,8 @@ struct Catalog {
     ScenePtr find(std::string_view id) const;
 };
 
-/// `folder` holds one folder for each scene; or is itself a scene. Looks at `stop` between scenes. Errors:
+/// `folder` holds one folder for each scene; or is itself a scene. Several load at a time; looks at `stop`
+/// between scenes. Errors:
 /// io_failure if the folder cannot be read, cancelled.
 Result<Catalog> load_catalog(const std::filesystem::path& folder, std::stop_token stop = {});
 
