@@ -162,6 +162,23 @@ void levels(const std::string& name, const Texture& texture, double limit, int l
     }
 }
 
+/// What dithering and transition tiles cost beside a basic tiling, all pages of levels 0 to 6 together: the
+/// paper's cost grew 22-fold.
+void growth(const std::string& name, const Texture& basic, const Texture& extended) {
+    double best = 1e9;
+    for (int run = 0; run < 3; ++run) {
+        double of_basic = 0, of_extended = 0;
+        for (std::uint8_t level = 0; level <= 6; ++level) {
+            of_basic += page_time(basic, level, 38, 101);
+            of_extended += page_time(extended, level, 38, 101);
+        }
+        best = std::min(best, of_extended / of_basic);
+    }
+    std::cout << "dithered areas and transition tiles cost " << best << " x " << name
+              << ", levels 0 to 6 together\n";
+    hold("growth from " + name, best, 3);
+}
+
 /// A page costs the same in any extent: a ratio of medians over levels.
 void extents(const std::string& name, const Texture& texture) {
     double small = 0, large = 0;
@@ -190,6 +207,8 @@ int main() {
                   << page_time(*independent, level, 38, 1, Accuracy::exact) / 1e3 << " ms, dithered areas "
                   << page_time(*dithered, level, 38, 1, Accuracy::exact) / 1e3 << " ms\n";
     std::cout << "\n";
+    growth("a basic tiling of the same generator", *independent, *dithered);
+    growth("a typed basic tiling", *typed, *dithered);
     extents("typed", *typed);
     extents("dithered", *dithered);
 
