@@ -101,4 +101,10 @@ double PlaneView::level_at(double pixel_x, double pixel_y) const {
     return std::log2(std::max(side(0), side(1)));
 }
 
+bool PlaneView::is_same(const PlaneView& other) const {
+    return camera_ == other.camera_ && width_ == other.width_ && height_ == other.height_ &&
+           surface_ == other.surface_ && first_column_ == other.first_column_ &&
+           end_column_ == other.end_column_ && split_ == other.split_;
+}
+
 }  // namespace tessera

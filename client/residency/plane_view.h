@@ -29,11 +29,15 @@ class PlaneView {
     /// Pixels from this column on are sampled so; those before it otherwise.
     PlaneView split_at(int column, const Sampling& right) const;
 
+    /// Whether all of it is the same, so that it reads the same pages.
+    bool is_same(const PlaneView& other) const;
+
     int first_column() const { return first_column_; }
     int end_column() const { return end_column_; }
     struct Split {
         int column = 0;
         Sampling right{};
+        bool operator==(const Split&) const = default;
     };
     const std::optional<Split>& split() const { return split_; }
 

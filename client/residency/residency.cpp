@@ -79,18 +79,23 @@ std::size_t Residency::pinned_room() const {
 std::vector<NeededPage> Residency::need(const PlaneView& view, const Sampling& sampling) {
     constexpr double step = 0.25;
     const std::size_t room = cache_.capacity() - std::min(cache_.capacity() - 1, pinned_room());
+    // A view that rests needs what it needed
+    if (plan_.view && plan_.is_settled && plan_.room == room && plan_.sampling == sampling &&
+        plan_.view->is_same(view))
+        return plan_.needed;
     std::vector<NeededPage> needed;
+    const double bias_before = lod_bias_;
     const auto fits = [&](double bias, double share) {
         needed = needed_pages(view, extent_, bias, sampling);
         std::erase_if(needed, [&](const NeededPage& page) { return !table_.in_window(page.key); });
         return static_cast<double>(needed.size()) <= share * static_cast<double>(room);
     };
     // One step sharper only where that leaves a margin: the bias does not swing
-    if (lod_bias_ > 0 && fits(lod_bias_ - step, 0.9)) {
+    if (lod_bias_ > 0 && fits(lod_bias_ - step, 0.9))
         lod_bias_ -= step;
-        return needed;
-    }
-    while (!fits(lod_bias_, 1.0) && lod_bias_ < extent_.n) lod_bias_ += step;
+    else
+        while (!fits(lod_bias_, 1.0) && lod_bias_ < extent_.n) lod_bias_ += step;
+    plan_ = {view, sampling, room, lod_bias_ == bias_before, needed};
     return needed;
 }
 

@@ -125,6 +125,13 @@ class Residency {
     StandIns stand_ins_;
     WatchedWindows watched_;
     double lod_bias_ = 0;
+    struct Plan {
+        std::optional<PlaneView> view{};
+        Sampling sampling{};
+        std::size_t room = 0;
+        bool is_settled = false;  ///< Planned again, it would be the same
+        std::vector<NeededPage> needed{};
+    } plan_;  ///< The last
 };
 
 }  // namespace tessera

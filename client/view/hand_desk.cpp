@@ -280,6 +280,9 @@ void HandDesk::take_gets() {
                 brush.value = grid.most();
                 brush.radius_texels = 2 * static_cast<double>(grid.entry_texels());
             }
+            // What the scene has
+            if (pattern_count() == 0 && tool == Tool::hand)
+                tool = brushes_.empty() ? Tool::target : Tool::brush;
         } else {
             const auto asked = std::ranges::find_if(asked_pictures_, [&](const auto& one) {
                 return got.target.ends_with("/" + std::to_string(one.first) + ".png");

@@ -84,8 +84,14 @@ void HandPanel::draw(const HandPicture& picture, float scale, float pixels_per_u
     on_picture(picture, scale, pixels_per_unit);
     others_news(scale);
     if (!desk_.is_open) return;
+    ImGui::PushStyleColor(ImGuiCol_Button, {0.17F, 0.20F, 0.245F, 1});
+    ImGui::PushStyleColor(ImGuiCol_ButtonHovered, {0.26F, 0.31F, 0.37F, 1});
+    ImGui::PushStyleColor(ImGuiCol_ButtonActive, {0.36F, 0.27F, 0.12F, 1});
+    ImGui::PushStyleColor(ImGuiCol_SliderGrab, amber);
+    ImGui::PushStyleColor(ImGuiCol_SliderGrabActive, amber);
     tool_bar(scale);
     selection_bar(scale);
+    ImGui::PopStyleColor(5);
 }
 
 void HandPanel::tool_bar(float scale) {
@@ -119,6 +125,7 @@ void HandPanel::tool_bar(float scale) {
     ImGui::SameLine();
     if (button("Redo", may && desk_.edits().history().can_redo(), "Ctrl+Shift+Z")) desk_.redo();
     ImGui::SameLine(0, 18 * scale);
+    ImGui::AlignTextToFramePadding();
     if (!desk_.message().empty())
         ImGui::TextColored(panel_colours::bad, "%s", desk_.message().c_str());
     else if (desk_.edits().waiting() > 0 && !may)
@@ -158,8 +165,8 @@ void HandPanel::palette(float scale) {
     const int rows = (desk_.pattern_count() + columns - 1) / columns;
     const auto width =
         static_cast<float>(std::min(columns, static_cast<int>(desk_.pattern_count()))) * (side + 6 * scale);
-    ImGui::BeginChild("patterns",
-                      {width + (rows > 2 ? 14 * scale : 0), static_cast<float>(std::min(rows, 2)) * (side + 6 * scale)});
+    ImGui::BeginChild("patterns", {width + (rows > 2 ? 14 * scale : 0),
+                                   static_cast<float>(std::min(rows, 2)) * (side + 6 * scale)});
     ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {6 * scale, 6 * scale});
     ImDrawList* list = ImGui::GetWindowDrawList();
     for (std::int32_t pattern = 0; pattern < desk_.pattern_count(); ++pattern) {
@@ -169,7 +176,8 @@ void HandPanel::palette(float scale) {
         const bool clicked = ImGui::InvisibleButton("pattern", {side, side});
         const bool is_chosen = desk_.hand().placing() == pattern, is_hovered = ImGui::IsItemHovered();
         if (ImGui::IsItemVisible()) {
-            list->AddRectFilled(low, high, is_hovered ? IM_COL32(58, 68, 80, 255) : IM_COL32(36, 43, 52, 255),
+            list->AddRectFilled(low, high,
+                                is_hovered ? IM_COL32(134, 143, 154, 255) : IM_COL32(104, 112, 123, 255),
                                 6 * scale);
             const float inset = 5 * scale;
             if (const GLuint texture = texture_of(pattern))
@@ -203,6 +211,7 @@ void HandPanel::brush_tools(float scale) {
         brush = desk_.brush();
         ImGui::SameLine();
     } else {
+        ImGui::AlignTextToFramePadding();
         ImGui::TextColored(panel_colours::quiet, "%s", brush->grid().block().c_str());
         ImGui::SameLine();
     }
@@ -247,6 +256,7 @@ void HandPanel::selection_bar(float scale) {
     ImGui::SetNextWindowPos({screen.x / 2, 12 * scale}, ImGuiCond_Always, {0.5F, 0});
     ImGui::Begin("selection", nullptr, bar_flags);
     const HandSprite& first = selection.front();
+    ImGui::AlignTextToFramePadding();
     if (selection.size() == 1)
         ImGui::TextUnformatted(desk_.pattern_name(first.pattern).c_str());
     else

@@ -4,9 +4,8 @@
 #include <cstdio>
 #include <fstream>
 #include <thread>
+#include <utility>
 #include <vector>
-
-#include <xxhash.h>
 
 #include "client/render/gl_context.h"
 #include "client/view/frame_painter.h"
@@ -18,14 +17,15 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr std::size_t uploads_unseen = 64;  ///< A frame, where nobody sees that it is late
+
 double milliseconds_since(Clock::time_point begin) {
     return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
 
-std::string hash_of(const Rgba8Image& image) {
+std::string text_of_hash(std::uint64_t hash) {
     char text[17];
-    std::snprintf(text, sizeof text, "%016llx",
-                  static_cast<unsigned long long>(XXH64(image.bytes.data(), image.bytes.size(), 0)));
+    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
     return text;
 }
 
@@ -45,7 +45,7 @@ class Run {
             const auto stopped = Clock::now();
             ViewFrame last = frame_at(job_.path.end_seconds());
             view::FrameMetrics after;
-            if (const auto sharp = until_sharp(last, after); !sharp) return sharp.error();
+            if (const auto sharp = until_current(last, after); !sharp) return sharp.error();
             metrics_.mutable_totals()->set_time_to_sharp_ms(milliseconds_since(stopped));
         }
         sum_up();
@@ -57,20 +57,28 @@ class Run {
         return std::chrono::duration_cast<ClientTime>(Clock::now() - begin_) + ClientTime{1};
     }
 
+    FrameTime frame_time() const {
+        if (step_) return {now(), *step_};
+        if (!job_.source) return {now()};
+        const ViewSource::SceneTime scene = job_.source->scene_time();
+        return {now(), scene.step, job_.settle ? 0 : scene.steps_per_second};
+    }
+
     ViewFrame frame_at(double time) const {
         return {.camera = job_.path.at(time),
                 .width = job_.width,
                 .height = job_.height,
-                .time = now(),
+                .time = frame_time(),
                 .filter = job_.filter,
                 .fade_ms = job_.settle ? 0.0F : 150.0F,
                 .overlay = job_.overlay,
                 .surface = job_.surface,
-                .split = job_.split};
+                .split = job_.split,
+                .most_uploads = job_.settle ? uploads_unseen : painter_.scene().upload_budget().pages()};
     }
 
     ResidencyFrame update(ViewFrame& shown, view::FrameMetrics& frame) {
-        shown.time = now();
+        shown.time = frame_time();
         const auto started = Clock::now();
         const auto requested = painter_.scene().residency().requests().counts().requested;
         ResidencyFrame outcome = painter_.update(shown);
@@ -78,19 +86,37 @@ class Run {
                            static_cast<std::uint32_t>(
                                painter_.scene().residency().requests().counts().requested - requested));
         frame.set_uploads(frame.uploads() + static_cast<std::uint32_t>(outcome.uploads.size()));
-        frame.set_update_ms(frame.update_ms() + milliseconds_since(started));
+        const double update_ms = milliseconds_since(started);
+        frame.set_update_ms(frame.update_ms() + update_ms);
+        // The scene's clock is known once it has answered; frames that settle are all of the step that it had
+        if (job_.settle && !step_ && painter_.scene().residency().requests().counts().arrived > 0)
+            step_ = shown.time.step;
+        tell(shown, outcome, update_ms);
         return outcome;
     }
 
-    Result<void> until_sharp(ViewFrame& shown, view::FrameMetrics& frame) {
+    void tell(const ViewFrame& shown, const ResidencyFrame& outcome, double update_ms) {
+        const auto last = std::exchange(last_update_, Clock::now());
+        if (!job_.log) return;
+        job_.log->updated(shown);
+        SessionLog::Costs costs{.work_ms = update_ms + std::exchange(draw_ms_, 0)};
+        if (last) costs.frame_ms = milliseconds_since(*last);
+        if (job_.source) {
+            costs.bytes_received = job_.source->bytes_received();
+            costs.link = job_.source->state();
+        }
+        job_.log->measured(shown, outcome, painter_, costs);
+    }
+
+    Result<void> until_current(ViewFrame& shown, view::FrameMetrics& frame) {
         auto last_arrival = Clock::now();
-        for (ResidencyFrame outcome = update(shown, frame); !outcome.is_sharp();
+        for (ResidencyFrame outcome = update(shown, frame); !outcome.is_current();
              outcome = update(shown, frame)) {
             if (!outcome.uploads.empty()) last_arrival = Clock::now();
             const PageRequests& requests = painter_.scene().residency().requests();
             if (Clock::now() - last_arrival > job_.patience) {
                 return Error{ErrorCode::io_failure,
-                             std::to_string(outcome.missing) + " pages did not come within " +
+                             std::to_string(outcome.missing + outcome.stale) + " pages did not come within " +
                                  std::to_string(job_.patience.count() / 1000) + " s" +
                                  (requests.problem().empty() ? "" : ": " + requests.problem())};
             }
@@ -116,7 +142,7 @@ class Run {
         frame.set_resident_share(first.resident_share);
         frame.set_lod_bias(first.lod_bias);
         if (job_.settle) {
-            if (const auto sharp = until_sharp(shown, frame); !sharp)
+            if (const auto sharp = until_current(shown, frame); !sharp)
                 return Error{sharp.error().code,
                              "frame " + std::to_string(index) + ": " + sharp.error().detail};
             frame.set_time_to_sharp_ms(milliseconds_since(started));
@@ -124,11 +150,14 @@ class Run {
         const auto drawing = Clock::now();
         if (const auto drawn = painter_.draw(shown, target_); !drawn) return drawn.error();
         const Rgba8Image image = target_.read();
-        frame.set_draw_ms(milliseconds_since(drawing));
+        draw_ms_ = milliseconds_since(drawing);
+        frame.set_draw_ms(draw_ms_);
+        const std::uint64_t hash = hash_of_picture(image);
+        if (job_.log) job_.log->drawn(hash);
         char name[32];
         std::snprintf(name, sizeof name, "frame_%04d.png", index);
         frame.set_file(name);
-        frame.set_hash(hash_of(image));
+        frame.set_hash(text_of_hash(hash));
         return write_png(job_.folder / name, image);
     }
 
@@ -168,6 +197,9 @@ class Run {
     const std::function<void(std::chrono::milliseconds)>& wait_;
     FrameTarget target_;
     Clock::time_point begin_;
+    std::optional<Clock::time_point> last_update_;
+    double draw_ms_ = 0;
+    std::optional<Step> step_{job_.step};
     view::RunMetrics metrics_;
 };
 

@@ -7,6 +7,7 @@
 #include "client/render/plane_scene.h"
 #include "client/view/camera_path.h"
 #include "client/view/frame_painter.h"
+#include "client/view/session_log.h"
 #include "client/view/view.pb.h"
 
 namespace tessera {
@@ -22,6 +23,12 @@ struct HeadlessJob {
     Overlay overlay = Overlay::none;
     std::optional<SplitChoice> split{};
     std::filesystem::path folder;
+    /// Told of every frame; null: nobody.
+    SessionLog* log = nullptr;
+    /// What moves the scene's clock, and what the link says; null: nothing does.
+    const ViewSource* source = nullptr;
+    std::optional<Step>
+        step{};  ///< Of all frames; none: the source's, where frames settle as it was at first
     std::chrono::milliseconds patience{60'000};  ///< Without any page arriving, before a frame gives up.
 };
 

@@ -21,7 +21,9 @@ HttpPageSource::HttpPageSource(const ServerAddress& server, const SceneInfo& sce
           .format = PageFormat::rgba, .gutter = gutter_texels, .accuracy = accuracy, .channels = channels} {}
 
 bool HttpPageSource::request(const PageRequest& request) {
-    const auto id = client_.request(request.page, options_);
+    FetchOptions options = options_;
+    options.step = request.step;
+    const auto id = client_.request(request.page, options);
     if (!id) return false;
     http_ids_[request.id] = *id;
     ids_[*id] = request.id;

@@ -12,6 +12,7 @@
 #include "client/view/height_image_file.h"
 #include "client/view/http_page_source.h"
 #include "client/view/options.h"
+#include "client/view/replay_run.h"
 #include "client/view/stream_page_source.h"
 #include "client/view/viewer_window.h"
 
@@ -47,11 +48,15 @@ Result<void> draw_headless(const Options& options, const SceneInfo& info, const 
     const auto context = make_headless_context();
     if (!context) return context.error();
     if (const auto checked = check_gl_version(); !checked) return checked.error();
-    auto scene = PlaneScene::make(info.extent, source, residency_settings(options));
+    const auto log = SessionLog::open(options.log);
+    if (!log) return log.error();
+    const ResidencySettings settings = residency_settings(options);
+    auto scene =
+        PlaneScene::make(info.extent, (*log)->begin(info.id, info.extent, source, settings), settings);
     if (!scene) return scene.error();
     std::unique_ptr<PlaneScene> second;
     if (second_source) {
-        auto made = PlaneScene::make(info.extent, *second_source, residency_settings(options));
+        auto made = PlaneScene::make(info.extent, (*log)->begin_second(*second_source, settings), settings);
         if (!made) return made.error();
         second = std::move(*made);
     }
@@ -64,9 +69,14 @@ Result<void> draw_headless(const Options& options, const SceneInfo& info, const 
                           .surface = surface,
                           .overlay = options.overlay,
                           .split = split_of(options),
-                          .folder = options.output};
+                          .folder = options.output,
+                          .log = log->get(),
+                          .source = &source,
+                          .step = options.step};
     auto metrics =
         run_headless(job, FramePainter{**scene, second.get()}, [&](auto timeout) { source.wait(timeout); });
+    if (const std::string problem = (*log)->end(); !problem.empty())
+        std::fprintf(stderr, "tessera-view: %s\n", problem.c_str());
     if (!metrics) {
         const std::string trouble = source.state().trouble;
         return trouble.empty() ? metrics.error()
@@ -114,12 +124,13 @@ std::unique_ptr<ViewSource> make_source(const Options& options, const ServerAddr
     if (options.http)
         return std::make_unique<HttpPageSource>(server, info, options.channels,
                                                 std::min<std::size_t>(options.in_flight, 8), accuracy);
-    return std::make_unique<StreamPageSource>(server, info, options.channels, options.name, std::string{},
+    return std::make_unique<StreamPageSource>(server, info, options.channels, options.name, options.token,
                                               accuracy);
 }
 
 Result<void> run(const Options& options) {
     if (options.compare_filters) return compare(options);
+    if (!options.replay.empty()) return run_replay(options);
     const auto server = parse_server_address(options.url);
     if (!server) return server.error();
     const auto info = read_scene_info(*server, options.scene);

@@ -13,6 +13,7 @@ constexpr const char* after_help = R"(In the window:
   B              page borders, age, ...   X              side by side; drag the line
   R              records the camera       L              plays what was recorded
   P              screenshot               H              all keys
+  Enter          edits the scene: sprites by palette, drag and handles; brush; targets (Ctrl+Z undoes)
 
 Examples:
   tessera-view http://127.0.0.1:7070 pebbles
@@ -21,6 +22,8 @@ Examples:
   tessera-view http://127.0.0.1:7070 pebbles --view terrain --split line-integral
   tessera-view http://127.0.0.1:7070 pebbles --headless --view corridor --split fast --overlay level -o out
   tessera-view --headless --compare-filters --textures photographs -o report
+  tessera-view http://127.0.0.1:7070 pebbles --record flight.session --metrics flight.jsonl
+  tessera-view --headless --replay flight.session
 
 Without a display (--headless) an off-screen OpenGL context is used (EGL, surfaceless): it needs no X server, and on
 a machine with no GPU Mesa's software rasteriser draws. frame_0000.png … and metrics.json are written. A camera path:
@@ -40,6 +43,11 @@ std::string read_size(const std::string& text, Options& options) {
 
 /// What is missing, or asked for in vain.
 std::string check_compare(const Options& options) {
+    if (!options.replay.empty()) {
+        if (options.compare_filters || !options.url.empty() || !options.log.record.empty())
+            return "--replay takes no URL, and nothing else to do: all is in its file";
+        return {};
+    }
     if (!options.compare_filters) {
         if (!options.textures.empty()) return "--textures is for --compare-filters";
         if (options.url.empty() || options.scene.empty()) return "URL and SCENE are required";
@@ -77,6 +85,7 @@ bool read_options(int argc, const char* const* argv, Options& options, int& exit
     app.add_flag("--http", options.http,
                  "Ask for pages by HTTP, which tells of no edits; else by the scene's stream");
     app.add_option("--name", options.name, "Who looks, for the others who are there");
+    app.add_option("--token", options.token, "Of an editor, where the server asks for one (tessera token)");
     app.add_option("--camera", options.camera,
                    "A camera path (JSON): replayed with --headless, else where to begin");
     app.add_option("-o,--output", options.output, "Folder for frames, metrics.json and screenshots");
@@ -136,6 +145,26 @@ bool read_options(int argc, const char* const* argv, Options& options, int& exit
                    "Where the line between the halves is: a share of the width")
         ->check(CLI::Range(0.0, 1.0))
         ->capture_default_str();
+    app.add_option(
+        "--metrics", options.log.metrics,
+        "Write figures of the session (time to sharp, faults, frame times, …) as JSON lines, one a second");
+    app.add_flag("--metrics-frames", options.log.every_frame, "With --metrics: one line a frame");
+    app.add_flag(
+        "--check-pages", options.log.check_pages,
+        "Once a second compare pages and table on the GPU with what was brought there: wrong-page pixels");
+    app.add_option("--record", options.log.record,
+                   "Write the session down: all that decides its pictures, for --replay");
+    app.add_option("--record-limit", options.log.record_megabytes, "Megabytes after which the recording ends")
+        ->check(CLI::Range(1.0, 1e6))
+        ->capture_default_str();
+    app.add_flag("--record-hashes", options.log.record_hashes,
+                 "In the window: hash each picture, so that a replay can compare (headless always does)");
+    app.add_option(
+        "--replay", options.replay,
+        "Draw a recorded session again, without a server, and say whether each picture's hash is equal; "
+        "with --headless and -o FOLDER also write the pictures");
+    app.add_option("--step", options.step,
+                   "Of the scene's clock, for headless frames; without it the scene's own");
     app.add_flag("--compare-filters", options.compare_filters,
                  "Draw three situations with every filter, compare with the true area integrals, and write "
                  "report.json "
@@ -160,7 +189,7 @@ bool read_options(int argc, const char* const* argv, Options& options, int& exit
             throw CLI::ValidationError{wrong};
         if (!options.terrain.empty() && view != "terrain")
             throw CLI::ValidationError{"--terrain is for --view terrain"};
-        if (options.headless && options.output.empty())
+        if (options.headless && options.output.empty() && options.replay.empty())
             throw CLI::ValidationError{"--headless needs -o FOLDER, where the frames go"};
     } catch (const CLI::ParseError& error) {
         exit_code = app.exit(error) == 0 ? 0 : 2;

@@ -8,6 +8,7 @@
 #include "client/render/filter.h"
 #include "client/render/overlay.h"
 #include "client/residency/surface.h"
+#include "client/view/session_log_options.h"
 #include "client/view/view_frame.h"
 #include "shared/page/accuracy.h"
 #include "shared/page/channel_set.h"
@@ -20,6 +21,7 @@ struct Options {
     std::string scene;  ///< The scene's id
     bool http = false;  ///< Pages by HTTP, which tells of no edits; else by the stream.
     std::string name;   ///< Of who looks, for the others
+    std::string token;  ///< Of an editor, for servers elsewhere; empty: none
     ChannelSet channels = ChannelSet::albedo;
     int width = 0;  ///< Pixels of the frames, or of the window; 0: 800×700, or 1280×800
     int height = 0;
@@ -38,6 +40,9 @@ struct Options {
     bool compare_filters = false;
     std::filesystem::path textures;  ///< Folder of compare_filters; empty: a built-in checker
     std::string command_line;
+    SessionLogOptions log{};
+    std::filesystem::path replay;  ///< A recorded session to draw again; no server then
+    std::optional<Step> step;      ///< Of headless frames; none: the scene's
     bool settle = true;
     double panel_scale = 1;  ///< Panels are so much larger than the screen asks.
     std::size_t cache_pages = 512;  ///< See ResidencySettings::slots

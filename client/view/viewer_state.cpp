@@ -55,6 +55,7 @@ const char* title_of(Filter filter) {
 
 std::optional<CursorReading> read_cursor(const PlaneView& view, const Residency& residency, double lod_bias,
                                          double x, double y) {
+    if (x < 0 || y < 0 || x >= view.width() || y >= view.height()) return std::nullopt;
     const auto ground = view.ground_at(x, y);
     const Extent extent = residency.extent();
     const auto side = static_cast<double>(extent.side_texels());

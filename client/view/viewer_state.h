@@ -18,6 +18,7 @@ namespace tessera {
 struct ViewerSwitches {
     bool panel = true;
     bool help = false;
+    bool metrics = false;  ///< The session's figures
     Surface surface{};
     Overlay overlay = Overlay::none;
     std::optional<SplitChoice> split{};

@@ -18,6 +18,8 @@
 #include "client/view/panels/panels.h"
 #include "client/view/path_recorder.h"
 #include "client/view/png_file.h"
+#include "client/view/session_log.h"
+#include "client/view/window_hands.h"
 #include "client/view/window_input.h"
 
 namespace tessera {
@@ -84,7 +86,7 @@ class Viewer {
   public:
     Viewer(const Options& options, const SceneInfo& info, const ServerAddress& server, const CameraPath& path,
            const Surface& surface, ViewSource& source, const SourceOf& source_of, GlfwWindow& window,
-           PlaneScene& scene)
+           PlaneScene& scene, SessionLog& log)
         : options_{options},
           info_{info},
           server_{server.authority()},
@@ -92,9 +94,11 @@ class Viewer {
           window_{window},
           painter_{scene},
           source_of_{source_of},
+          log_{log},
           panels_{window, static_cast<float>(options.panel_scale)},
           control_{path.at(path.begin_seconds()), info.extent},
-          input_{window, control_, path.at(path.begin_seconds())} {
+          input_{window, control_, path.at(path.begin_seconds())},
+          hands_{source, server, info, options.name, window} {
         switches_.filter = options.filter;
         switches_.surface = surface;
         switches_.overlay = options.overlay;
@@ -117,6 +121,7 @@ class Viewer {
             const double seconds = std::chrono::duration<double>(now - last).count();
             last = now;
             times_.add(1000 * seconds);
+            frame_ms_ = 1000 * seconds;
             const bool sharp = draw(size, std::min(seconds, 0.1));
             ++frame;
             const bool waited = Clock::now() - begin_ > longest_wait_for_sharpness;
@@ -134,6 +139,9 @@ class Viewer {
         if (!target_ || target_->width() != size.width || target_->height() != size.height)
             target_.emplace(size.width, size.height);
         panels_.begin();
+        const auto hand_at = input_.cursor_pixels();
+        hands_.advance(last_frame_, info_.extent, hand_at.x, hand_at.y);
+        input_.withhold(hands_.has_mouse(), hands_.has_keys());
         input_.advance(seconds, switches_);
         control_.set_surface(switches_.surface);
         if (input_.is_steering()) recorder_.stop_playing();
@@ -141,10 +149,23 @@ class Viewer {
         glfwSwapInterval(switches_.vsync ? 1 : 0);
         bring_second();
 
-        const ViewFrame shown = frame_of(size);
+        const auto begin = Clock::now();
+        ViewFrame shown = frame_of(size);
+        hands_.fill(shown);
+        hands_.bring_pictures(painter_.scene(), painter_.second(),
+                              [&](std::int32_t pattern, const Rgba8Image& picture, double side) {
+                                  log_.pattern(pattern, picture, side);
+                              });
         const PlaneView view = shown.view();
         const ResidencyFrame frame = painter_.update(shown);
+        log_.updated(shown);
         if (const auto drawn = painter_.draw(shown, *target_); !drawn) give_up_filter(drawn.error());
+        log_.drawn(*target_);
+        log_.measured(shown, frame, painter_,
+                      {.frame_ms = frame_ms_,
+                       .work_ms = std::chrono::duration<double, std::milli>(Clock::now() - begin).count(),
+                       .bytes_received = source_.bytes_received(),
+                       .link = source_.state()});
         target_->blit_to_window();
         glBindFramebuffer(GL_FRAMEBUFFER, 0);
 
@@ -156,6 +177,7 @@ class Viewer {
             .view = view,
             .frame = frame,
             .times = times_,
+            .metrics = log_.metrics(),
             .cursor = read_cursor(view, residency_at(shown, cursor.x), frame.lod_bias, cursor.x, cursor.y),
             .source = source_.state(),
             .step = shown.time.step,
@@ -163,6 +185,10 @@ class Viewer {
             .scale = panels_.scale(),
             .is_recording = recorder_.is_recording(),
             .is_playing = recorder_.is_playing()};
+        hands_.drawn(frame);
+        hands_.draw_panels(view, panels_.scale(),
+                           static_cast<float>(size.width) / std::max(ImGui::GetIO().DisplaySize.x, 1.0F));
+        last_frame_ = shown;
         draw_panels(contents, switches_);
         panels_.end();
         answer_requests(input_.take_requests());
@@ -176,11 +202,14 @@ class Viewer {
         if (second_ && (!is_wanted || second_->accuracy != switches_.split_accuracy)) {
             painter_.set_second(nullptr);
             second_.reset();
+            log_.end_second();
         }
         if (second_ || !is_wanted) return;
         SecondScene made{switches_.split_accuracy, source_of_(switches_.split_accuracy), nullptr};
-        auto scene = PlaneScene::make(info_.extent, *made.source, painter_.scene().residency().settings());
+        const ResidencySettings settings = painter_.scene().residency().settings();
+        auto scene = PlaneScene::make(info_.extent, log_.begin_second(*made.source, settings), settings);
         if (!scene) {
+            log_.end_second();
             std::fprintf(stderr, "tessera-view: %s\n", scene.error().detail.c_str());
             switches_.split.reset();
             return;
@@ -220,7 +249,8 @@ class Viewer {
                 .haze = switches_.haze,
                 .overlay = switches_.overlay,
                 .surface = switches_.surface,
-                .split = switches_.split};
+                .split = switches_.split,
+                .most_uploads = painter_.scene().upload_budget().pages()};
     }
 
     /// A filter that the driver refuses is left for the one that always works.
@@ -286,10 +316,13 @@ class Viewer {
     GlfwWindow& window_;
     FramePainter painter_;
     SourceOf source_of_;
+    SessionLog& log_;
     std::unique_ptr<SecondScene> second_;
     Panels panels_;
     CameraControl control_;
     WindowInput input_;
+    WindowHands hands_;
+    ViewFrame last_frame_{};
     std::optional<FrameTarget> target_;
     ViewerSwitches switches_;
     FrameTimes times_;
@@ -297,6 +330,7 @@ class Viewer {
     std::optional<CameraPath> path_;  ///< To play
     Clock::time_point begin_ = Clock::now();
     Clock::time_point told_title_{};
+    double frame_ms_ = 0;  ///< Since the frame before
 };
 
 }  // namespace
@@ -313,9 +347,16 @@ Result<void> run_window(const Options& options, const SceneInfo& info, const Ser
     // The window may grow to the whole screen
     const GLFWvidmode* screen = glfwGetVideoMode(glfwGetPrimaryMonitor());
     settings.window_side = window_side_for(screen ? screen->width : 2400);
-    auto scene = PlaneScene::make(info.extent, source, settings);
+    const auto log = SessionLog::open(options.log);
+    if (!log) return log.error();
+    auto scene =
+        PlaneScene::make(info.extent, (*log)->begin(info.id, info.extent, source, settings), settings);
     if (!scene) return scene.error();
-    return Viewer{options, info, server, path, surface, source, source_of, **window, **scene}.run();
+    const auto done =
+        Viewer{options, info, server, path, surface, source, source_of, **window, **scene, **log}.run();
+    if (const std::string problem = (*log)->end(); !problem.empty())
+        std::fprintf(stderr, "tessera-view: %s\n", problem.c_str());
+    return done;
 }
 
 }  // namespace tessera

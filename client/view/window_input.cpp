@@ -62,6 +62,7 @@ void WindowInput::mouse(ViewerSwitches& switches) {
     if (dragging_ >= 0 && glfwGetMouseButton(window_.handle(), dragging_) != GLFW_PRESS) dragging_ = -1;
     for (const int button : {GLFW_MOUSE_BUTTON_LEFT, GLFW_MOUSE_BUTTON_RIGHT, GLFW_MOUSE_BUTTON_MIDDLE}) {
         if (dragging_ >= 0 || io.WantCaptureMouse) break;
+        if (button == GLFW_MOUSE_BUTTON_LEFT && no_left_button_) continue;
         if (glfwGetMouseButton(window_.handle(), button) == GLFW_PRESS) {
             dragging_ = button;
             drags_split_ = button == GLFW_MOUSE_BUTTON_LEFT && is_on_split(switches, cursor);
@@ -90,6 +91,15 @@ void WindowInput::mouse(ViewerSwitches& switches) {
 }
 
 CameraControl::Steering WindowInput::steering() const {
+    if (no_editing_keys_) {  // letters alone: arrows move what is selected
+        if (is_down(GLFW_KEY_LEFT_CONTROL) || is_down(GLFW_KEY_RIGHT_CONTROL)) return {};
+        const auto between = [&](int positive, int negative) {
+            return (is_down(positive) ? 1.0 : 0.0) - (is_down(negative) ? 1.0 : 0.0);
+        };
+        return {between(GLFW_KEY_W, GLFW_KEY_S), between(GLFW_KEY_D, GLFW_KEY_A),
+                between(GLFW_KEY_E, GLFW_KEY_Q),
+                is_down(GLFW_KEY_LEFT_SHIFT) || is_down(GLFW_KEY_RIGHT_SHIFT)};
+    }
     const auto axis = [&](int positive, int other_positive, int negative, int other_negative) {
         return (is_down(positive) || is_down(other_positive) ? 1.0 : 0.0) -
                (is_down(negative) || is_down(other_negative) ? 1.0 : 0.0);
@@ -102,9 +112,16 @@ CameraControl::Steering WindowInput::steering() const {
 
 void WindowInput::keys(ViewerSwitches& switches) {
     // ImGui's GLFW back end of this version fills KeysDown by GLFW's key numbers
-    const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, false); };
+    const bool editing = no_editing_keys_;
+    if (editing && (is_down(GLFW_KEY_LEFT_CONTROL) || is_down(GLFW_KEY_RIGHT_CONTROL))) return;
+    const auto pressed = [&](int key) {
+        const bool is_editors =
+            (key >= GLFW_KEY_1 && key <= GLFW_KEY_9) || key == GLFW_KEY_V || key == GLFW_KEY_R;
+        return ImGui::IsKeyPressed(key, false) && !(editing && is_editors);
+    };
     if (pressed(GLFW_KEY_H) || pressed(GLFW_KEY_F1)) switches.help = !switches.help;
     if (pressed(GLFW_KEY_TAB)) switches.panel = !switches.panel;
+    if (pressed(GLFW_KEY_M)) switches.metrics = !switches.metrics;
     if (pressed(GLFW_KEY_B))
         switches.overlay = overlays[(static_cast<std::size_t>(switches.overlay) + 1) % overlays.size()];
     if (pressed(GLFW_KEY_F)) {
@@ -131,7 +148,7 @@ void WindowInput::keys(ViewerSwitches& switches) {
     if (pressed(GLFW_KEY_ESCAPE)) {
         if (switches.help)
             switches.help = false;
-        else
+        else if (!editing)
             glfwSetWindowShouldClose(window_.handle(), GLFW_TRUE);
     }
 }

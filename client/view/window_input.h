@@ -27,6 +27,13 @@ class WindowInput {
     /// Once a frame, within ImGui's frame.
     void advance(double seconds, ViewerSwitches& switches);
 
+    /// What is another's in the next advance(): the left button; keys that editors have, too (with Ctrl all,
+    /// else arrows, digits, Escape and some letters).
+    void withhold(bool left_button, bool editing_keys) {
+        no_left_button_ = left_button;
+        no_editing_keys_ = editing_keys;
+    }
+
     WindowRequests take_requests() { return std::exchange(requests_, {}); }
 
     struct Pixels {
@@ -50,6 +57,7 @@ class WindowInput {
     WindowRequests requests_;
     Pixels last_cursor_;
     bool is_steering_ = false;
+    bool no_left_button_ = false, no_editing_keys_ = false;
     bool drags_split_ = false;
     int dragging_ = -1;  ///< The mouse button that is held, or −1
     int window_place_[4] = {100, 100, 1280, 800};

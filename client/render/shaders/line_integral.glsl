@@ -58,17 +58,18 @@ void add_cell(vec2 corners[4], vec2 low, vec2 high, int layer, float parts, inou
         float x = 0.5 * (left + right);
         // Where the quadrilateral begins and ends on this line
         vec4 floors = floor_at + x * floor_slope, ceilings = ceiling_at + x * ceiling_slope;
-        float begin = max(max(max(floors.x, floors.y), max(floors.z, floors.w)), low.y);
-        float end = min(min(min(ceilings.x, ceilings.y), min(ceilings.z, ceilings.w)), high.y);
-        if (end <= begin || right <= left) continue;
+        // Where it does not meet the line, a stretch of nothing: cheaper than a branch where all branches run
+        float begin = clamp(max(max(floors.x, floors.y), max(floors.z, floors.w)), low.y, high.y);
+        float end = clamp(min(min(ceilings.x, ceilings.y), min(ceilings.z, ceilings.w)), begin, high.y);
+        float width = max(right - left, 0.0);
         vec2 texel = min(floor(vec2(begin, end)), 255.0);
         int column = int(x);
         uvec4 first = texelFetch(integrals, ivec3(column, int(texel.x), layer), 0);
         uvec4 last = texelFetch(integrals, ivec3(column, int(texel.y), layer), 0);
-        COUNT(2);
+        COUNT(end > begin && width > 0.0 ? 2 : 0);
         vec4 between = vec4(((last & 0xffffff00u) - (first & 0xffffff00u)) >> 8);
-        sum += (right - left) * (between + part_of_texel(last, end - texel.y) - part_of_texel(first, begin - texel.x));
-        area += (right - left) * (end - begin);
+        sum += width * (between + part_of_texel(last, end - texel.y) - part_of_texel(first, begin - texel.x));
+        area += width * (end - begin);
     }
 }
 
@@ -112,27 +113,29 @@ vec4 line_integral(Footprint footprint, out float shown_level) {
     vec4 sum = vec4(0.0);
     float area = 0.0;
     vec2 first = floor(low / PAGE_SIDE), last = floor(high / PAGE_SIDE);
-    for (float row = first.y; row <= last.y; ++row) {
-        for (float column = first.x; column <= last.x; ++column) {
-            ivec2 steps = upright ? ivec2(column, row) : ivec2(row, column);
-            Cell cell;
-            if (!is_in_extent(level, steps) || !find_cell(level, steps, cell)) continue;
-            // Into the texels of the layer that shows this cell, and no further than the cell
-            float coarser = inverse_power_of_two(cell.level - level);
-            vec2 corner = upright ? cell.corner : cell.corner.yx;
-            vec2 shift = corner - PAGE_SIDE * coarser * vec2(column, row);
-            vec2 shown[4];
-            for (int i = 0; i < 4; ++i) shown[i] = corners[i] * coarser + shift;
-            vec4 cell_sum = vec4(0.0);
-            float cell_area = 0.0;
-            add_cell(shown, max(low * coarser + shift, corner), min(high * coarser + shift, corner + PAGE_SIDE * coarser),
-                     2 * cell.layer + (upright ? 0 : 1), parts, cell_sum, cell_area);
+    // One loop over all cells: loops within loops are dear
+    float columns = last.x - first.x + 1.0, cells = columns * (last.y - first.y + 1.0);
+    for (float index = 0.0; index < cells; ++index) {
+        float whole_rows = floor((index + 0.5) / columns);
+        float row = first.y + whole_rows, column = first.x + index - columns * whole_rows;
+        ivec2 steps = upright ? ivec2(column, row) : ivec2(row, column);
+        Cell cell;
+        if (!is_in_extent(level, steps) || !find_cell(level, steps, cell)) continue;
+        // Into the texels of the layer that shows this cell, and no further than the cell
+        float coarser = inverse_power_of_two(cell.level - level);
+        vec2 corner = upright ? cell.corner : cell.corner.yx;
+        vec2 shift = corner - PAGE_SIDE * coarser * vec2(column, row);
+        vec2 shown[4];
+        for (int i = 0; i < 4; ++i) shown[i] = corners[i] * coarser + shift;
+        vec4 cell_sum = vec4(0.0);
+        float cell_area = 0.0;
+        add_cell(shown, max(low * coarser + shift, corner), min(high * coarser + shift, corner + PAGE_SIDE * coarser),
+                 2 * cell.layer + (upright ? 0 : 1), parts, cell_sum, cell_area);
 #ifdef FEEDBACK
-            if (cell_area > 0.0) tell(level, (origin_page >> level) + steps);
+        if (cell_area > 0.0) tell(level, (origin_page >> level) + steps);
 #endif
-            sum += cell_sum / (coarser * coarser);
-            area += cell_area / (coarser * coarser);
-        }
+        sum += cell_sum / (coarser * coarser);
+        area += cell_area / (coarser * coarser);
     }
     return area > 0.0 ? sum / (area * 65535.0) : nothing_yet();
 }

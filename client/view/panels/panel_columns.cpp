@@ -6,6 +6,7 @@ namespace tessera {
 namespace {
 
 constexpr float margin = 12, gap = 6, width_left = 300, width_right = 280;
+constexpr float least_open = 44;  // of a panel's inside: less is folded
 
 }  // namespace
 
@@ -30,6 +31,9 @@ bool PanelColumns::begin(Side side, const char* title, bool open_at_first) {
     ImGui::SetNextWindowPos({x, y}, ImGuiCond_Always);
     ImGui::SetNextWindowSizeConstraints({width, 0}, {width, room});
     ImGui::SetNextWindowCollapsed(!open_at_first, ImGuiCond_Once);
+    // Sizes are known after some frames
+    if (ImGui::GetFrameCount() > 4 && room < ImGui::GetFrameHeight() + least_open * scale_)
+        ImGui::SetNextWindowCollapsed(true, ImGuiCond_Always);
     return ImGui::Begin(title, nullptr,
                         ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoNav |
                             ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoFocusOnAppearing |

@@ -11,6 +11,8 @@
 
 namespace tessera {
 
+class SessionMetrics;
+
 /// What one frame's panels show.
 struct PanelContents {
     const SceneInfo& scene;
@@ -19,6 +21,7 @@ struct PanelContents {
     const PlaneView& view;
     const ResidencyFrame& frame;
     const FrameTimes& times;
+    const SessionMetrics& metrics;
     std::optional<CursorReading> cursor;
     ViewSource::State source{};
     Step step = 0;  ///< Of the scene's clock

@@ -40,6 +40,7 @@ void style_panels(float content_scale) {
 void draw_panels(const PanelContents& contents, ViewerSwitches& switches) {
     if (switches.panel) {
         PanelColumns columns{contents.scale};
+        columns.expect(PanelColumns::Side::left, 7);
         scene_panel(columns, contents);
         read_out_panel(columns, contents);
         filter_panel(columns, switches);
@@ -47,6 +48,7 @@ void draw_panels(const PanelContents& contents, ViewerSwitches& switches) {
         overlay_panel(columns, contents, switches);
         pages_panel(columns, contents);
         frames_panel(columns, contents, switches);
+        if (switches.metrics) metrics_overlay(columns, contents);
     }
     split_labels(contents, switches);
     trouble_message(contents);

@@ -76,6 +76,7 @@ class Replay {
         painter_->set_second(nullptr);
         if (const auto made = second_.make(extent_, settings); !made) return made.error();
         painter_->set_second(second_.scene.get());
+        for (const view::HeldPattern& pattern : patterns_) show(pattern, *second_.scene);
         return {};
     }
 
@@ -128,6 +129,7 @@ class Replay {
 
     Result<void> pattern(const view::HeldPattern& message) {
         if (message.forget_all()) {
+            patterns_.clear();
             for (PlaneScene* scene : scenes()) scene->held_patterns().forget_patterns();
             return {};
         }
@@ -135,11 +137,14 @@ class Replay {
         if (side < 1 || side > 256 || message.texels().size() != static_cast<std::size_t>(4 * side * side) ||
             !(message.side_texels() > 0))
             return Error{ErrorCode::invalid_input, "a recorded pattern is broken"};
+        for (PlaneScene* scene : scenes()) show(message, *scene);
+        if (patterns_.size() < HeldSprites::most_sprites) patterns_.push_back(message);
+        return {};
+    }
+    static void show(const view::HeldPattern& message, PlaneScene& scene) {
         Rgba8Image image{message.side(), message.side()};
         std::copy(message.texels().begin(), message.texels().end(), image.bytes.begin());
-        for (PlaneScene* scene : scenes())
-            scene->held_patterns().set_pattern(message.pattern(), image, message.side_texels());
-        return {};
+        scene.held_patterns().set_pattern(message.pattern(), image, message.side_texels());
     }
 
     void differ(std::string what) {
@@ -171,6 +176,7 @@ class Replay {
     Extent extent_{0};
     Played first_, second_;
     std::optional<ViewFrame> last_;
+    std::vector<view::HeldPattern> patterns_;
     std::optional<FramePainter> painter_;
     std::optional<FrameTarget> target_;
     std::shared_ptr<const HeightImage> heights_;

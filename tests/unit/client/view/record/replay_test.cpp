@@ -74,7 +74,6 @@ class Record : public ::testing::Test {
             frame.fade_ms = 150;
             frame.most_uploads = static_cast<std::size_t>(2 + i % 7);
             if (is_plain) frame.fade_ms = 0;
-            if (!is_plain && i % 5 == 1) frame.filter.filter = Filter::anisotropic;
             if (!is_plain && i % 5 == 2) frame.filter.filter = Filter::line_integral;
             if (!is_plain && i % 7 == 3)
                 frame.split = SplitChoice{.at = 0.3, .filter = {.filter = Filter::nearest}};
