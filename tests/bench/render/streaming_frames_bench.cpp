@@ -20,7 +20,7 @@ namespace {
 using namespace tessera;
 using testing::SimulatedStream;
 
-constexpr int width = 800, height = 700, frames_a_block = 60, pages_a_second = 200;
+constexpr int width = 800, height = 700, frames_a_block = 30, pages_a_second = 200;
 
 [[noreturn]] void refuse(const std::string& why) {
     std::fprintf(stderr, "streaming_frames_bench: %s\n", why.c_str());
@@ -147,6 +147,7 @@ int main(int argc, char** argv) {
             print((name + ", no news").c_str(), quiet, quiet.at(0.5));
             print((name + ", 200 pages/s").c_str(), streaming, quiet.at(0.5));
             print((name + ", a flood").c_str(), flood, quiet.at(0.5));
+            std::fflush(stdout);
         }
     } catch (const std::exception& error) {
         refuse(error.what());

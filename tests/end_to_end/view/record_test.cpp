@@ -20,7 +20,7 @@ using std::chrono::milliseconds;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-void place_sprite(std::uint16_t port, std::uint64_t id, std::int64_t at) {
+void place_sprite(std::uint16_t port, std::uint64_t id, double at) {
     BackgroundStreamClient editor{{"127.0.0.1", port}, "sprites", {}};
     proto::Edit edit;
     proto::SpritePlacement& sprite = *edit.add_changes()->mutable_place_sprite();
@@ -45,7 +45,7 @@ TEST(ViewRecord, ASessionWithEditsIsDrawnAgainWithEqualHashesAndNoServer) {
         {"time": 0, "x": 100, "y": 100, "height": 150, "yaw": 0, "pitch": -80},
         {"time": 4, "x": 180, "y": 120, "height": 300, "yaw": 60, "pitch": -50}]})";
     {
-        const test::Program server{scene.arguments()};
+        test::Program server{scene.arguments()};
         const std::uint16_t port = server.port();
         tessera::testing::Program viewer{
             {VIEW_PROGRAM, "http://127.0.0.1:" + std::to_string(port), "sprites", "--headless", "--size",
