@@ -59,6 +59,11 @@ class Blocks {
     void add_blocks(const FlatPiece& piece, std::vector<Block>& blocks) {
         const Seen whole = visibility_.seen(piece, visibility_.box_of(piece));
         const PixelBox& box = whole.box;
+        if (!view_.is_plane() && box.right - box.left <= block_pixels &&
+            box.bottom - box.top <= block_pixels) {
+            if (whole.pixels > 0) blocks.push_back({&piece, whole});
+            return;
+        }
         for (int y = box.top; y < box.bottom;) {
             // Near a horizon a row's level differs from the next one's
             const int rows = view_.is_plane() ? std::clamp((y - box.top) / 2, 1, block_pixels) : block_pixels;

@@ -114,10 +114,32 @@ PixelBox PieceVisibility::box_of(const FlatPiece& piece) const {
             pixel(right + tips + 1, whole.left, whole.right), pixel(bottom + tips + 1, 0, whole.bottom)};
 }
 
+const PieceVisibility::Lines& PieceVisibility::lines_known(const FlatPiece& piece) const {
+    if (known_ != &piece) lines_ = lines_of(piece);
+    known_ = &piece;
+    return lines_;
+}
+
 PieceVisibility::Seen PieceVisibility::seen(const FlatPiece& piece, const PixelBox& box) const {
     Seen found;
     found.box = {box.right, box.bottom, box.left, box.top};
-    const Lines lines = lines_of(piece);
+    if (view_.is_plane()) {
+        // The horizon is level
+        const auto is_seen = [&](int y) {
+            return piece.w[1] * (y + 0.5 - view_.height() / 2.0) + piece.w[2] > 0;
+        };
+        while (found.box.bottom < box.bottom) {
+            if (is_seen(found.box.bottom)) break;
+            ++found.box.bottom;
+        }
+        found.box = {box.left, found.box.bottom, box.right, box.bottom};
+        found.pixels = std::max(found.box.pixels(), 0);
+        if (found.box.is_empty()) found.pixels = 0;
+        found.x = (box.left + box.right) / 2;
+        found.y = (found.box.top + box.bottom) / 2;
+        return found;
+    }
+    const Lines& lines = lines_known(piece);
     const int middle_x = (box.left + box.right) / 2, middle_y = (box.top + box.bottom) / 2;
     int least_away = 1 << 30;
     for (int y = box.top; y < box.bottom; ++y) {

@@ -44,7 +44,11 @@ class PieceVisibility {
     /// Of the middles of a row's pixels: [first, end) on the piece's side of all lines, but for a margin.
     void row_span(const Lines& lines, double y, double margin, int& first, int& end) const;
 
+    const Lines& lines_known(const FlatPiece& piece) const;
+
     const PlaneView& view_;
+    mutable const FlatPiece* known_ = nullptr;  ///< Of which `lines_` are: the last that was asked for
+    mutable Lines lines_;
     std::vector<float> nearest_;  ///< w of each pixel's nearest piece; empty for a plane
 };
 
