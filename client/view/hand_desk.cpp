@@ -163,6 +163,7 @@ void HandDesk::hear_hello() {
         pictures_.clear();
         hand_.begin(hello_->patterns_size(), static_cast<std::int32_t>(hello_->pattern_side_texels()));
         edits_.forget_history();
+        others_.clear();
     }
     if (is_another || is_new_session) {
         hand_.book().doubt();
@@ -180,6 +181,7 @@ void HandDesk::hear_edits(ClientTime now) {
     }
     for (const proto::EditDone& done : stream_.take_edits()) {
         hand_.heard(done);
+        others_.heard(done, now);
         targets_.take({done.changes().begin(), done.changes().end()});
         for (const proto::Change& change : done.changes())
             if (change.has_change_animation() && change.change_animation().has_density())
@@ -231,9 +233,16 @@ void HandDesk::hear_people(ClientTime now) {
             if (auto held = hand_sprite_of(presence.held(), pattern_count(),
                                            static_cast<std::int32_t>(pattern_side_texels())))
                 person.held = std::move(*held);
+        if (person.held)
+            others_.hold(person.session, *person.held, hand_.book().find(person.held->id));
+        else
+            others_.let_go(person.session, now);
         people.emplace(person.session, std::move(person));
     }
+    for (const auto& [session, person] : people_)
+        if (!people.contains(session)) others_.let_go(session, now);
     people_ = std::move(people);
+    others_.tidy(now);
 }
 
 void HandDesk::ask() {
@@ -322,15 +331,8 @@ void HandDesk::be_present(ClientTime now) {
 
 void HandDesk::fill(ViewFrame& frame) const {
     frame.holds = hand_.carries().holds();
-    // What others hold: lifted here, too, and drawn where they have it
-    for (const auto& [session, person] : people_) {
-        if (!person.held) continue;
-        if (const HandSprite* there = hand_.book().find(person.held->id))
-            frame.holds.push_back({.id = 0x80000000U | static_cast<std::uint32_t>(session),
-                                   .lifted = {there->id},
-                                   .lifted_boxes = {box_of(*there)}});
-        frame.held.emplace_back(held_sprite(*person.held, view_.step)).opacity = 0.85F;
-    }
+    for (PageHold& hold : others_.holds()) frame.holds.push_back(std::move(hold));
+    for (const HeldSprite& sprite : others_.held(view_.step)) frame.held.push_back(sprite);
     for (const HeldSprite& sprite : hand_.held())
         if (is_open || sprite.hold != 0) frame.held.push_back(sprite);
 }

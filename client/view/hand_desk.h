@@ -12,6 +12,7 @@
 #include "client/link/scene_info.h"
 #include "client/view/hand/hand.h"
 #include "client/view/hand/map_brush.h"
+#include "client/view/hand/others_hands.h"
 #include "client/view/hand/target_hand.h"
 #include "client/view/view_frame.h"
 #include "shared/page/texel_image.h"
@@ -41,7 +42,10 @@ class HandDesk {
     /// What of it the frame shows.
     void fill(ViewFrame& frame) const;
     /// What a frame ended, and the pictures that came since the last one.
-    void drawn(const ResidencyFrame& frame) { hand_.ended(frame.ended_holds); }
+    void drawn(const ResidencyFrame& frame) {
+        hand_.ended(frame.ended_holds);
+        others_.ended(frame.ended_holds);
+    }
     /// Patterns whose pictures are new since the last call: for PlaneScene::held_patterns().
     std::vector<std::int32_t> take_new_pictures() { return std::exchange(new_pictures_, {}); }
 
@@ -109,6 +113,7 @@ class HandDesk {
     std::string scene_;
     HandEdits edits_;
     Hand hand_;
+    OthersHands others_;
     TargetHand targets_;
     std::vector<MapBrush> brushes_;
     std::size_t brush_ = 0;

@@ -18,6 +18,8 @@ namespace tessera {
 class Carries {
   public:
     using Id = std::uint32_t;
+    /// Ids count from the one after `first` on.
+    explicit Carries(Id first = 0) : last_{first} {}
     /// After so long a page that does not come is no longer waited for.
     static constexpr ClientTime longest_melt{5000};
 
@@ -61,7 +63,7 @@ class Carries {
     const Carry* find_carry(Id carry) const;
 
     std::vector<Carry> all_;  ///< The latest last
-    Id last_ = 0;
+    Id last_;
 };
 
 /// As the shader draws it, where it is at a step.

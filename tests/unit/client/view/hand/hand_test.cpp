@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "client/view/hand/map_brush.h"
+#include "client/view/hand/others_hands.h"
 #include "client/view/hand/target_hand.h"
 
 namespace tessera {
@@ -275,6 +276,46 @@ TEST_F(HandAtWork, ADraggedTargetSendsTheLatestPlaceOnceTheLastIsIn) {
     targets.advance();
     ASSERT_EQ(sent.size(), 2u);
     EXPECT_EQ(sent[1].changes(0).set_target().x(), 130);
+}
+
+TEST(OthersHands, WhatSomebodyPutsDownIsDrawnUntilThePagesShowItThere) {
+    OthersHands others;
+    HandSprite there;
+    there.id = 4;
+    there.side_texels = 16;
+    HandSprite held = there;
+    held.x = 100 * sprite_units;
+    others.hold(9, held, &there);
+    ASSERT_EQ(others.held(0).size(), 1u);
+    ASSERT_EQ(others.holds().size(), 1u);
+    EXPECT_EQ(others.holds()[0].lifted, std::vector<std::uint64_t>{4});
+    EXPECT_FALSE(others.holds()[0].waits);
+    others.let_go(9, ClientTime{100});
+    EXPECT_TRUE(others.holds()[0].waits);
+    proto::EditDone done;
+    done.set_session(9);
+    done.add_changes()->mutable_move_sprite()->set_id(4);
+    done.mutable_answer()->set_revision(7);
+    others.heard(done, ClientTime{120});
+    others.tidy(ClientTime{2000});
+    ASSERT_EQ(others.held(0).size(), 1u);
+    EXPECT_EQ(others.holds()[0].revision, 7u);
+    others.ended(std::vector{others.holds()[0].id});
+    EXPECT_TRUE(others.held(0).empty());
+}
+
+TEST(OthersHands, WhatSomebodyLetsGoWithoutAnEditIsWhereItWas) {
+    OthersHands others;
+    HandSprite held;
+    held.id = 4;
+    held.side_texels = 16;
+    others.hold(9, held, nullptr);
+    others.let_go(9, ClientTime{100});
+    others.tidy(ClientTime{800});
+    EXPECT_EQ(others.held(0).size(), 1u);
+    others.tidy(ClientTime{901});
+    EXPECT_TRUE(others.held(0).empty());
+    EXPECT_TRUE(others.holds().empty());
 }
 
 }  // namespace

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+
+#include "client/view/hand/carries.h"
+
+namespace tessera {
+
+namespace proto {
+class EditDone;
+}
+
+/// What other people hold: lifted from the pages here, too, and drawn where they have it, until the pages
+/// show where it was put down.
+class OthersHands {
+  public:
+    /// How long after something was let go the edit that puts it down may come.
+    static constexpr ClientTime longest_wait{800};
+
+    /// Somebody holds this sprite now. `there`: where the pages show it; null: nowhere that is known.
+    void hold(std::uint64_t session, const HandSprite& sprite, const HandSprite* there);
+    /// Somebody holds nothing now.
+    void let_go(std::uint64_t session, ClientTime now);
+    /// An edit was made: perhaps it puts down what somebody held.
+    void heard(const proto::EditDone& done, ClientTime now);
+    void ended(std::span<const std::uint32_t> holds) { carries_.end(holds); }
+    void tidy(ClientTime now);
+    void clear();
+
+    std::vector<HeldSprite> held(Step step) const { return carries_.held(step); }
+    std::vector<PageHold> holds() const { return carries_.holds(); }
+
+  private:
+    struct Held {
+        Carries::Id carry = 0;
+        SpriteId sprite = 0;
+        bool is_let_go = false;
+        ClientTime let_go_at{};
+    };
+    Carries carries_{0x80000000U};  ///< Ids apart from those of our own
+    std::map<std::uint64_t, Held> held_;
+};
+
+}  // namespace tessera
