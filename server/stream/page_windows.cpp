@@ -7,7 +7,7 @@ namespace tessera {
 namespace {
 
 /// The texels of level 0 that the pages' texels, with the widest gutter, are made of.
-TexelBox texels_of(const PageWindow& window) noexcept {
+TexelBox texels_of(const WatchedWindow& window) noexcept {
     const auto begin = [&](std::uint32_t page) {
         return (std::int64_t{page} * page_side_texels - max_gutter_texels) *
                (std::int64_t{1} << window.level);
@@ -20,7 +20,8 @@ TexelBox texels_of(const PageWindow& window) noexcept {
 }
 
 /// Halves what has changed until it is a page.
-void find_stale(const PageRevisions& revisions, const PageWindow& window, std::vector<StalePage>& stale) {
+void find_stale(const PageRevisions& revisions, const WatchedWindow& window,
+                std::vector<ChangedPage>& stale) {
     const Revision newest = revisions.newest_in(texels_of(window));
     if (newest <= window.told) return;
     const std::uint32_t width = window.x1 - window.x0, height = window.y1 - window.y0;
@@ -28,7 +29,7 @@ void find_stale(const PageRevisions& revisions, const PageWindow& window, std::v
         stale.push_back({{window.level, window.x0, window.y0}, newest});
         return;
     }
-    PageWindow first = window, second = window;
+    WatchedWindow first = window, second = window;
     if (width >= height)
         first.x1 = second.x0 = window.x0 + width / 2;
     else
@@ -44,7 +45,7 @@ Result<void> PageWindows::replace(const std::vector<Asked>& asked, Extent extent
     const auto refuse = [](std::string why) { return Error{ErrorCode::malformed_request, std::move(why)}; };
     if (asked.size() > most_windows_)
         return refuse("windows: at most " + std::to_string(most_windows_) + " at a time");
-    std::vector<PageWindow> windows;
+    std::vector<WatchedWindow> windows;
     std::uint64_t pages = 0;
     for (const Asked& rectangle : asked) {
         if (rectangle.level > extent.n) continue;
@@ -53,16 +54,16 @@ Result<void> PageWindows::replace(const std::vector<Asked>& asked, Extent extent
         const auto clip = [side](std::int64_t at) {
             return static_cast<std::uint32_t>(std::clamp<std::int64_t>(at, 0, side));
         };
-        PageWindow window{level,
-                          clip(rectangle.x0),
-                          clip(rectangle.y0),
-                          clip(rectangle.x1),
-                          clip(rectangle.y1),
-                          std::min(seen.value_or(now), now)};
+        WatchedWindow window{level,
+                             clip(rectangle.x0),
+                             clip(rectangle.y0),
+                             clip(rectangle.x1),
+                             clip(rectangle.y1),
+                             std::min(seen.value_or(now), now)};
         if (window.x0 >= window.x1 || window.y0 >= window.y1) continue;
         if (window.pages() > most_pages_ || (pages += window.pages()) > most_pages_)
             return refuse("windows: at most " + std::to_string(most_pages_) + " pages in all");
-        for (const PageWindow& before : windows_)
+        for (const WatchedWindow& before : windows_)
             if (window.overlaps(before)) window.told = std::min(window.told, before.told);
         windows.push_back(window);
     }
@@ -70,26 +71,26 @@ Result<void> PageWindows::replace(const std::vector<Asked>& asked, Extent extent
     return {};
 }
 
-std::vector<StalePage> PageWindows::take_stale(const PageRevisions& revisions, Revision now) {
-    std::vector<StalePage> stale;
-    for (PageWindow& window : windows_) {
+std::vector<ChangedPage> PageWindows::take_stale(const PageRevisions& revisions, Revision now) {
+    std::vector<ChangedPage> stale;
+    for (WatchedWindow& window : windows_) {
         if (window.told < now) find_stale(revisions, window, stale);
         window.told = std::max(window.told, now);
     }
     // Windows may overlap
     std::sort(stale.begin(), stale.end(),
-              [](const StalePage& a, const StalePage& b) { return a.key < b.key; });
+              [](const ChangedPage& a, const ChangedPage& b) { return a.key < b.key; });
     stale.erase(std::unique(stale.begin(), stale.end()), stale.end());
     return stale;
 }
 
 bool PageWindows::behind(Revision now) const noexcept {
     return std::any_of(windows_.begin(), windows_.end(),
-                       [now](const PageWindow& window) { return window.told < now; });
+                       [now](const WatchedWindow& window) { return window.told < now; });
 }
 
 void PageWindows::forget(Revision now) noexcept {
-    for (PageWindow& window : windows_) window.told = now;
+    for (WatchedWindow& window : windows_) window.told = now;
 }
 
 }  // namespace tessera

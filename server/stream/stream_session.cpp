@@ -275,8 +275,8 @@ std::optional<std::string> StreamSession::next_invalidation(const Scene& scene) 
     if (!behind && told_ >= now) return std::nullopt;
     if (!is_time(next_invalidation_)) return std::nullopt;
     const auto begun = Clock::now();
-    const std::vector<StalePage> stale =
-        behind ? windows_.take_stale(scene.page_revisions, now) : std::vector<StalePage>{};
+    const std::vector<ChangedPage> stale =
+        behind ? windows_.take_stale(scene.page_revisions, now) : std::vector<ChangedPage>{};
     // A revision that changed nothing here is told, too, but not each
     if (stale.empty() && (told_ >= now || !is_time(next_revision_))) return std::nullopt;
     // Nobody's windows take more than a fifth of this thread's time
@@ -292,7 +292,7 @@ std::optional<std::string> StreamSession::next_invalidation(const Scene& scene) 
     proto::Invalidation& invalidation = *message.mutable_invalidation();
     invalidation.set_revision(now);
     proto::StalePages* level = nullptr;  // they are in order of levels
-    for (const StalePage& page : stale) {
+    for (const ChangedPage& page : stale) {
         if (level == nullptr || level->level() != page.key.level) {
             level = invalidation.add_stale();
             level->set_level(page.key.level);

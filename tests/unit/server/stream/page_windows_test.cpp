@@ -10,9 +10,9 @@ namespace {
 using Asked = PageWindows::Asked;
 
 /// What take_stale() must find, page by page.
-std::vector<StalePage> stale_one_by_one(const std::vector<Asked>& windows, const PageRevisions& revisions,
-                                        Revision told) {
-    std::vector<StalePage> stale;
+std::vector<ChangedPage> stale_one_by_one(const std::vector<Asked>& windows, const PageRevisions& revisions,
+                                          Revision told) {
+    std::vector<ChangedPage> stale;
     for (const Asked& window : windows)
         for (std::int64_t x = window.x0; x < window.x1; ++x)
             for (std::int64_t y = window.y0; y < window.y1; ++y) {
@@ -22,7 +22,7 @@ std::vector<StalePage> stale_one_by_one(const std::vector<Asked>& windows, const
                 if (revision > told) stale.push_back({key, revision});
             }
     std::sort(stale.begin(), stale.end(),
-              [](const StalePage& a, const StalePage& b) { return a.key < b.key; });
+              [](const ChangedPage& a, const ChangedPage& b) { return a.key < b.key; });
     return stale;
 }
 
@@ -49,7 +49,7 @@ TEST(PageWindows, ThatOverlapTellAPageOnce) {
     PageWindows windows{64, 16384};
     ASSERT_TRUE(windows.replace({{0, 0, 0, 4, 4}, {0, 2, 2, 6, 6}}, Extent{12}, std::nullopt, 0));
     revisions.mark({700, 700, 701, 701}, 1);
-    EXPECT_EQ(windows.take_stale(revisions, 1), (std::vector<StalePage>{{{0, 2, 2}, 1}}));
+    EXPECT_EQ(windows.take_stale(revisions, 1), (std::vector<ChangedPage>{{{0, 2, 2}, 1}}));
 }
 
 TEST(PageWindows, ThatMoveTellWhatWasNotToldYet) {
