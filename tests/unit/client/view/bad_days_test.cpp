@@ -41,7 +41,8 @@ proto::ServerMessage page_of(const proto::PageAsk& ask, std::uint32_t colour, st
 }
 
 PageKey key_of(const proto::PageAsk& ask) {
-    return {static_cast<std::uint8_t>(ask.page().level()), ask.page().x(), ask.page().y()};
+    return {static_cast<std::uint8_t>(ask.page().level()), static_cast<std::uint32_t>(ask.page().x()),
+            static_cast<std::uint32_t>(ask.page().y())};
 }
 
 /// What the server did, so that the test sees it.
