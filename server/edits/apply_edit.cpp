@@ -120,6 +120,28 @@ Result<std::string> canonical_edit(const proto::Edit& edit) {
     return bytes;
 }
 
+Result<void> check_places(const proto::Edit& edit, Extent extent) {
+    // Half the diagonal of the largest sprite, 1024 texels at scale 4, rounded up
+    constexpr double reach = 3072;
+    const auto side = static_cast<double>(extent.side_texels());
+    const auto is_far = [&](double at) { return at < -reach || at > side + reach; };
+    for (int i = 0; i < edit.changes_size(); ++i) {
+        const proto::Change& change = edit.changes(i);
+        const proto::SpritePlacement& placed = change.place_sprite();
+        const proto::SpriteMove& moved = change.move_sprite();
+        const char* field = is_far(placed.x()) || is_far(moved.x())   ? "x"
+                            : is_far(placed.y()) || is_far(moved.y()) ? "y"
+                                                                      : nullptr;
+        if (field == nullptr) continue;
+        return error_of_change(
+            i, change,
+            Error{ErrorCode::invalid_input, std::string{field} +
+                                                ": is outside of the texture, whose texels are 0 to " +
+                                                std::to_string(extent.side_texels() - 1)});
+    }
+    return {};
+}
+
 Result<AppliedEdit> apply_edit(const proto::Edit& edit, const SpritePatterns& patterns, SpriteBook& book) {
     AppliedEdit applied;
     auto& inverses = *applied.inverse.mutable_changes();

@@ -7,6 +7,7 @@
 
 #include "server/edits/live_document.h"
 #include "server/edits/sprite_book.h"
+#include "shared/page/page_key.h"
 #include "shared/page/texel_box.h"
 #include "shared/wire/sprite_message.h"
 
@@ -24,6 +25,10 @@ struct AppliedEdit {
 /// The edit's meaning alone, as the journal keeps and compares it: its changes and author, without what a
 /// retry may say otherwise and without fields that we do not know. Error: invalid_input, naming the field.
 Result<std::string> canonical_edit(const proto::Edit& edit);
+
+/// Sprites are put where they can be seen: inside the extent, or so close that one may reach into it. Asked
+/// of edits that come, not of those that the journal has. Error: invalid_input, as apply_edit()'s.
+Result<void> check_places(const proto::Edit& edit, Extent extent);
 
 /// Makes all changes of sprites of an edit, or none, and leaves out the others. The same edit on the same
 /// book gives the same book, on every machine. Error: invalid_input; the message names the change and what is

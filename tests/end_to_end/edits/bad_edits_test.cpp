@@ -45,11 +45,15 @@ class BadEdits : public EditedScenes {
 TEST_F(BadEdits, PlacesThatNoSpriteCanBeAtAreNamed) {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     constexpr double inf = std::numeric_limits<double>::infinity();
-    for (const double far : {nan, inf, -inf, 1e300, 0x1p40, -0x1p40}) {
+    for (const double far : {nan, inf, -inf, 1e300, 0x1p40, -0x1p40, 0x1p39, -4000.0}) {
         expect_refused(placing(1, far, 0), 400, "changes[0].place_sprite.x");
         expect_refused(placing(1, 0, far), 400, "changes[0].place_sprite");
     }
     proto::Edit edit = placing(1, 0, 0);
+    edit.add_changes()->mutable_move_sprite()->set_id(1);
+    edit.mutable_changes(1)->mutable_move_sprite()->set_y(-5000);
+    expect_refused(edit, 400, "changes[1].move_sprite.y: is outside of the texture");
+    edit = placing(1, 0, 0);
     edit.mutable_changes(0)->mutable_place_sprite()->set_scale(nan);
     expect_refused(edit, 400, "scale");
     edit.mutable_changes(0)->mutable_place_sprite()->set_scale(1);
