@@ -111,8 +111,8 @@ Result<void> PlaneRenderer::draw(const FrameTarget& target, const PlaneView& vie
             // Only pixels that are seen tell what they read: depths come first
             PlaneStyle quiet = style;
             quiet.feedback = false;
-            surface = pass_.draw(variant_of(quiet, false), source, std::as_bytes(std::span{&block, 1}), texels,
-                                 &geometry_);
+            surface = pass_.draw(variant_of(quiet, false), source, std::as_bytes(std::span{&block, 1}),
+                                 texels, &geometry_);
         }
         surface =
             pass_.draw(variant_of(style, view.is_plane(), texels.held != nullptr), source,

@@ -38,8 +38,7 @@ ResidencyFrame PlaneScene::update(const PlaneView& view, FrameTime time, FilterC
         }
     }
     table_.update(residency_.table());
-    upload_ms_ =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    upload_ms_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
     budget_.spent(frame.uploads.size(), upload_ms_);
     if (!frame.uploads.empty()) last_upload_ = time.now;
     lod_bias_ = frame.lod_bias;

@@ -146,9 +146,7 @@ class Mesh {
 
     /// From the outermost edge to beyond all that is seen.
     void add_skirt() {
-        const auto away = [&](const Vector3& v) {
-            return Vector3{v.x * 30, v.y * 30, -view_.eye_height()};
-        };
+        const auto away = [&](const Vector3& v) { return Vector3{v.x * 30, v.y * 30, -view_.eye_height()}; };
         const auto side = [&](const Vector3& a, const Vector3& b) {
             triangle(a, b, away(b));
             triangle(a, away(b), away(a));

@@ -44,7 +44,7 @@ struct Options {
     std::filesystem::path replay;  ///< A recorded session to draw again; no server then
     std::optional<Step> step;      ///< Of headless frames; none: the scene's
     bool settle = true;
-    double panel_scale = 1;  ///< Panels are so much larger than the screen asks.
+    double panel_scale = 1;         ///< Panels are so much larger than the screen asks.
     std::size_t cache_pages = 512;  ///< See ResidencySettings::slots
     std::size_t in_flight = 12;     ///< See RequestLimits::in_flight
 };

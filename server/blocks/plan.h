@@ -113,7 +113,8 @@ class BlockFiles {
 };
 
 /// Checks names, types, ranges, files and cycles of all blocks, drops those that do not reach the output,
-/// folds constants, and compiles the decisions. Errors: invalid_input; the message starts with the field's path
+/// folds constants, and compiles the decisions. Errors: invalid_input; the message starts with the field's
+/// path
 /// ("pattern.blocks[3] \"areas\".cells: …") and names the fix. A cycle is told with its path ("a -> b -> a").
 Result<Plan> compile_plan(const proto::Pattern& message, BlockFiles& files);
 

@@ -369,7 +369,8 @@ void StreamSession::write_hello(const Scene& scene, proto::ServerHello& hello) {
     const Access::Decision decision = may_edit();
     hello.set_may_edit(live && decision.allowed);
     if (!live)
-        hello.set_why_not("the scene takes no edits; give its scene.json \"sprites\", or a block \"editable\"");
+        hello.set_why_not(
+            "the scene takes no edits; give its scene.json \"sprites\", or a block \"editable\"");
     else if (!decision.allowed)
         hello.set_why_not(decision.why);
     clock_ = service_.clock_of(scene);

@@ -22,7 +22,8 @@ TEST(PageBorders, AreThinLinesOverAnOtherwiseUnchangedPicture) {
                         .yaw_degrees = 20,
                         .pitch_degrees = -35};
     offscreen.settle(camera);
-    const Rgba8Image plain = offscreen.draw(camera), lined = offscreen.draw(camera, {.overlay = Overlay::level});
+    const Rgba8Image plain = offscreen.draw(camera),
+                     lined = offscreen.draw(camera, {.overlay = Overlay::level});
     int changed = 0;
     for (std::size_t at = 0; at < plain.bytes.size(); at += 4)
         for (std::size_t c = 0; c < 3; ++c)

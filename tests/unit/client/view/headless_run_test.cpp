@@ -38,7 +38,8 @@ class HeadlessRun : public ::testing::Test {
         settings.slots = 128;
         auto scene = PlaneScene::make(extent, source, settings);
         if (!scene) return scene.error();
-        auto metrics = run_headless(job, FramePainter{**scene}, [](auto) { std::this_thread::sleep_for(1ms); });
+        auto metrics =
+            run_headless(job, FramePainter{**scene}, [](auto) { std::this_thread::sleep_for(1ms); });
         if (metrics && !write_metrics(job, *metrics)) ADD_FAILURE() << "cannot write metrics.json";
         return metrics;
     }

@@ -56,7 +56,8 @@ TEST(ApplyEdit, MakesAllChangesOrNone) {
     *edit.add_changes() = removing(77).changes(0);
     const auto applied = apply_edit(edit, patterns, book);
     ASSERT_FALSE(applied);
-    EXPECT_TRUE(applied.error().detail.starts_with("changes[2].remove_sprite: there is no sprite 77")) << applied.error().detail;
+    EXPECT_TRUE(applied.error().detail.starts_with("changes[2].remove_sprite: there is no sprite 77"))
+        << applied.error().detail;
     EXPECT_EQ(book_text(book), before);
 }
 
