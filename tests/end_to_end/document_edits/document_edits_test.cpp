@@ -130,5 +130,32 @@ TEST_F(DocumentEdits, OfEachKindChangePagesAndSurviveAKill) {
     answer_in(*send(client, edit));
 }
 
+TEST_F(DocumentEdits, WhatMayBeChangedIsToldAsItIsNow) {
+    Program program = serve();
+    RawClient client{program.port()};
+    const auto told = [&] { return client.get("/scenes/meadow/editables")->body; };
+    const auto has = [](const std::string& text, const std::string& words) {
+        return text.find(words) != std::string::npos;
+    };
+    const std::string before = told();
+    EXPECT_TRUE(has(before, "\"revision\": \"0\"") || !has(before, "revision")) << before;
+    EXPECT_TRUE(has(before, "\"block\": \"areas\"")) << before;
+    EXPECT_TRUE(has(before, "\"block\": \"blink\"")) << before;
+
+    proto::Edit edit = new_edit();
+    proto::Target& target = *edit.add_changes()->mutable_set_target();
+    target.set_id(1);
+    target.set_x(10300);
+    target.set_y(10301);
+    proto::AnimationChange& animation = *edit.add_changes()->mutable_change_animation();
+    animation.set_block("blink");
+    animation.set_density(0.25);
+    answer_in(*send(client, edit));
+    const std::string after = told();
+    for (const char* words : {"\"revision\": \"1\"", "10300", "10301", "0.25"})
+        EXPECT_TRUE(has(after, words)) << words << " in " << after;
+    EXPECT_EQ(client.get("/scenes/nowhere/editables")->status, 404);
+}
+
 }  // namespace
 }  // namespace tessera
