@@ -24,7 +24,7 @@ const kind_names = {
 };
 
 /** @param {string} kind As the server names it. */
-export const kind_name = (kind) => kind_names[kind] ?? kind.replaceAll('_', ' ');
+export const kind_name = (kind) => kind_names[kind] ?? (kind.charAt(0).toUpperCase() + kind.slice(1)).replaceAll('_', ' ');
 
 /** What the extent is worth as plain RGBA, every level-0 texel stored. @param {number} n log2 of the pages on a side */
 export const uncompressed_bytes = (n) => (page_side * 2 ** n) ** 2 * 4;
