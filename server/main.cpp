@@ -1,7 +1,10 @@
 // One command, `tessera`: each room adds the subcommands it answers for.
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <google/protobuf/stubs/logging.h>
@@ -13,8 +16,11 @@
 #include "server/history/commands.h"
 #include "server/http/commands.h"
 #include "server/prepare/commands.h"
+#include "server/progress/interrupt.h"
 #include "server/scenes/commands.h"
 #include "server/tiled/commands.h"
+#include "shared/result/in_quotes.h"
+#include "shared/result/nearest_name.h"
 
 int main(int argc, char** argv) {
     CLI::App app{"Tessera: evaluates endless textures page by page, exactly filtered, and streams them."};
@@ -33,6 +39,15 @@ int main(int argc, char** argv) {
     tessera::add_accuracy_command(app, exit_code);  // accuracy
     tessera::add_scenes_command(app, exit_code);    // samples
     tessera::add_import_command(app, exit_code);    // import
+    std::vector<std::string> commands;
+    for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+        commands.push_back(command->get_name());
+    if (argc > 1 && argv[1][0] != '-' && std::ranges::find(commands, argv[1]) == commands.end()) {
+        const std::string meant = tessera::nearest_name(argv[1], commands);
+        std::fprintf(stderr, "tessera: there is no command %s; %s\n", tessera::in_quotes(argv[1]).c_str(),
+                     meant.empty() ? "tessera --help lists them" : ("did you mean " + meant + "?").c_str());
+        return 2;
+    }
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& wrong) {
@@ -45,5 +60,6 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "tessera: %s\n", failed.what());
         return 1;
     }
-    return exit_code;
+    const int signal = tessera::Interrupt::signal_that_came();
+    return signal != 0 && exit_code == 1 ? 128 + signal : exit_code;
 }

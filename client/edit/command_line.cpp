@@ -1,43 +1,20 @@
 #include "client/edit/command_line.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <iostream>
 #include <random>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 
+#include "client/edit/edit_help.h"
 #include "client/edit/edit_json.h"
 
 namespace tessera {
 namespace {
-
-constexpr const char* description = "Changes a scene while it is served, and follows what others change.";
-
-constexpr const char* footer = R"(
-Examples:
-  tessera-edit http://127.0.0.1:7070 road place 4000 2500 --pattern 2 --id 700
-      puts sprite 700 there, its middle at texel (4000, 2500) of level 0
-  tessera-edit http://127.0.0.1:7070 road move 700 4100 2500 --turn 0.25
-  tessera-edit http://127.0.0.1:7070 road --json remove 700 >> done.jsonl
-  tessera-edit http://127.0.0.1:7070 road undo done.jsonl
-      takes the last edit of that file back
-  tessera-edit http://127.0.0.1:7070 meadow-sand paint areas 4 4 8 8 1 --disc
-  tessera-edit http://127.0.0.1:7070 flower-field set open target_distance.near_texels 12
-  tessera-edit http://127.0.0.1:7070 message-board animate lit --density 0.8
-  tessera-edit http://127.0.0.1:7070 message-board clock pause --step 100
-  tessera-edit http://127.0.0.1:7070 road watch --seconds 60
-      a JSON line for each edit, stale pages, people and the clock, as proto/stream.proto's ServerMessage has them
-  generate | tessera-edit http://127.0.0.1:7070 road lines
-      each line of standard input is an edit: {"changes": [{"move_sprite": {"id": 7, "x": 10, "y": 20}}]};
-      each line of standard output is what became of one, in the order in which that was known
-
-An edit is sent until its fate is known: over a lost connection, or a server that starts anew, under the same id, so
-that it is in once.
-
-Exit codes: 0 done; 1 the server cannot be reached, or has no such scene; 2 wrong command line; 3 an edit was refused;
-4 nobody knows whether an edit is in; 130 interrupted.)";
 
 constexpr std::size_t most_text = std::size_t{1} << 20;
 
@@ -319,8 +296,7 @@ EditCommandLine read_edit_command_line(int argc, const char* const* argv) {
     std::optional<std::uint64_t> base_revision;
     double patience = 30;
 
-    CLI::App app{description, "tessera-edit"};
-    app.footer(footer);
+    CLI::App app{edit_description, "tessera-edit"};
     app.set_version_flag("--version", TESSERA_VERSION);
     app.add_option("URL", url, "The server, as in http://127.0.0.1:7070")->required();
     app.add_option("SCENE", options.scene, "The scene's id")->required();
@@ -334,12 +310,24 @@ EditCommandLine read_edit_command_line(int argc, const char* const* argv) {
     app.require_subcommand(1);
     app.fallthrough();
     Commands commands{app, options};
+    add_edit_help(app);
 
     const auto fail = [&](const std::string& why) {
         std::cerr << "tessera-edit: " << why << "\n";
         line.exit_code = 2;
         return line;
     };
+    // Who asks for a command alone, as in "tessera-edit place --help", is told how it is written
+    const std::string first = argc > 1 ? argv[1] : "";
+    for (const CLI::App* command : app.get_subcommands({})) {
+        if (command->get_name() != first) continue;
+        const auto asks = [](std::string_view word) { return word == "-h" || word == "--help"; };
+        if (!std::any_of(argv + 2, argv + argc, asks))
+            return fail("URL and SCENE come first, as in tessera-edit http://127.0.0.1:7070 road " +
+                        command->get_name() + "; see tessera-edit " + command->get_name() + " --help");
+        std::cout << command->help("tessera-edit");
+        return line;
+    }
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

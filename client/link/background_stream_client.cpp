@@ -172,7 +172,7 @@ class BackgroundStreamClient::Worker final : public StreamListener {
     void on_lost(const Error& why, milliseconds retry_in) override {
         tell([&] {
             status_.open = false;
-            status_.trouble = why.detail;
+            status_.trouble = status_.last_loss = why.detail;
             retry_at_ = std::chrono::steady_clock::now() + retry_in;
             people_.clear();
         });

@@ -28,7 +28,8 @@ struct StreamNews {
 /// How the stream is.
 struct StreamStatus {
     bool open = false;
-    std::string trouble;  ///< Why it is not open, in words; empty before the first try ended.
+    std::string trouble;      ///< Why it is not open, in words; empty before the first try ended.
+    std::string last_loss{};  ///< The last trouble, whether it is over or not.
     std::chrono::milliseconds retry_in{0};  ///< Until the next try, as of now.
     StreamStatistics statistics;
 };

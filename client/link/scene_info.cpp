@@ -1,8 +1,10 @@
 #include "client/link/scene_info.h"
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <optional>
+#include <thread>
 
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/io_context.hpp>
@@ -44,6 +46,12 @@ Result<SceneInfo> parse_scene_info(std::string_view json, std::string_view where
     info.channels.assign(texture.channels().begin(), texture.channels().end());
     if (info.channels.empty()) info.channels.emplace_back(name_of(ChannelSet::albedo));
     info.texture = texture.texture();
+    if (const proto::OpeningView& view = texture.view(); texture.has_view())
+        info.view = {std::clamp<std::int64_t>(view.x(), 0, info.extent.side_texels() - 1),
+                     std::clamp<std::int64_t>(view.y(), 0, info.extent.side_texels() - 1),
+                     std::isfinite(view.level())
+                         ? std::clamp(view.level(), min_view_level, static_cast<double>(info.extent.n))
+                         : 1};
     return info;
 }
 
@@ -107,6 +115,20 @@ Result<SceneInfo> read_scene_info(const ServerAddress& server, std::string_view 
                    });
     context.run();
     return std::move(*answer);
+}
+
+Result<SceneInfo> await_scene_info(const ServerAddress& server, std::string_view scene_id,
+                                   std::chrono::milliseconds patience, const std::function<void()>& waits) {
+    constexpr std::chrono::milliseconds pause{500};
+    const auto end = std::chrono::steady_clock::now() + patience;
+    for (bool is_first = true;; is_first = false) {
+        Result<SceneInfo> info = read_scene_info(server, scene_id);
+        if (info || info.error().code != ErrorCode::overloaded ||
+            std::chrono::steady_clock::now() + pause > end)
+            return info;
+        if (is_first) waits();
+        std::this_thread::sleep_for(pause);
+    }
 }
 
 }  // namespace tessera

@@ -2,6 +2,8 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,6 +12,7 @@
 
 #include "client/link/server_address.h"
 #include "shared/page/channel_set.h"
+#include "shared/page/opening_view.h"
 #include "shared/page/page_key.h"
 #include "shared/result/result.h"
 
@@ -23,6 +26,7 @@ struct SceneInfo {
     std::string title;
     std::string attribution;
     Extent extent;
+    std::optional<OpeningView> view;   ///< What a visitor is to see first, where the scene says it.
     std::int32_t max_gutter = 0;       ///< The widest gutter the server gives, at most max_gutter_texels.
     std::uint64_t revision = 0;        ///< Accepted edits so far.
     std::string fingerprint;           ///< Changes with scene, assets and the evaluator's version.
@@ -48,5 +52,10 @@ boost::asio::awaitable<Result<SceneInfo>> read_scene_info(HttpConnection& connec
 /// for answering.
 Result<SceneInfo> read_scene_info(const ServerAddress& server, std::string_view scene_id,
                                   std::chrono::milliseconds timeout = std::chrono::seconds{10});
+
+/// The same, and again every half second for at most `patience` while the server is busy, as it is while it
+/// loads its scenes; `waits` is called before the first wait.
+Result<SceneInfo> await_scene_info(const ServerAddress& server, std::string_view scene_id,
+                                   std::chrono::milliseconds patience, const std::function<void()>& waits);
 
 }  // namespace tessera

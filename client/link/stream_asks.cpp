@@ -44,15 +44,22 @@ std::optional<StreamAsks::Answered> StreamAsks::answered(std::uint32_t id) {
     return answered;
 }
 
-std::vector<StreamAsk> StreamAsks::give_up(Time since) {
+std::vector<StreamAsk> StreamAsks::give_up(Time since, Time now) {
     std::vector<StreamAsk> late;
     for (auto& [id, entry] : asks_) {
         if (!entry.sent || !entry.wanted || entry.made >= since) continue;
         entry.wanted = false;
+        entry.given_up = now;
         ++given_up_;
         late.push_back(entry.ask);
     }
     return late;
+}
+
+std::size_t StreamAsks::given_up_before(Time since) const {
+    if (given_up_ == 0) return 0;
+    return static_cast<std::size_t>(std::ranges::count_if(
+        asks_, [&](const auto& one) { return !one.second.wanted && one.second.given_up < since; }));
 }
 
 std::vector<StreamAsk> StreamAsks::take_all() {

@@ -36,13 +36,14 @@ class StreamAsks {
     std::optional<Answered> answered(std::uint32_t id);
 
     /// Asks made before `since` that are not answered. The asker is told now; their answers may still come.
-    std::vector<StreamAsk> give_up(Time since);
+    std::vector<StreamAsk> give_up(Time since, Time now);
 
     /// All that the asker still waits for; then none is left.
     std::vector<StreamAsk> take_all();
 
     std::size_t size() const noexcept { return asks_.size(); }
-    std::size_t given_up() const noexcept { return given_up_; }
+    /// Of those given up, the ones of before `since`.
+    std::size_t given_up_before(Time since) const;
 
   private:
     struct Entry {
@@ -50,6 +51,7 @@ class StreamAsks {
         Time made;
         bool sent = false;
         bool wanted = true;
+        Time given_up{};
     };
     std::unordered_map<std::uint32_t, Entry> asks_;
     std::deque<std::uint32_t> queue_;  ///< Of those not sent, and of ended ones.

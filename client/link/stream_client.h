@@ -34,6 +34,9 @@ struct StreamSettings {
     std::size_t max_asks = 256;
     /// An ask that waits longer ends with `timed_out`.
     std::chrono::milliseconds answer_timeout{30000};
+    /// The server has to answer within this that it has dropped an ask; the stream is left once half of
+    /// `max_asks` have waited longer.
+    std::chrono::milliseconds cancel_timeout{10000};
     /// Edits whose fate is not known.
     std::size_t max_edits = 1024;
     /// How long an edit may wait for its fate before it ends as unknown; unset: for ever.

@@ -231,13 +231,14 @@ asio::awaitable<void> StreamClient::State::keep_time() {
         // While the server has no credits, it must not answer
         const LinePtr line = line_;
         if (allowed_ == 0) continue;
-        for (const StreamAsk& ask : asks_.give_up(now - settings_.answer_timeout)) {
+        for (const StreamAsk& ask : asks_.give_up(now - settings_.answer_timeout, now)) {
             if (is_over_) co_return;
             line->cancels.push_back(ask.id);
             listener_->on_page(failed_page(ask, {ErrorCode::timed_out, "the server did not answer in time"}));
         }
         wake();
-        if (asks_.given_up() > 0 && 2 * asks_.given_up() >= settings_.max_asks)
+        // A server that is merely slow answers at once that it has dropped them
+        if (2 * asks_.given_up_before(now - settings_.cancel_timeout) >= settings_.max_asks)
             line->socket->fail({ErrorCode::timed_out,
                                 server_.url() + ": the server leaves most asks for pages without an answer"});
     }

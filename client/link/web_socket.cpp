@@ -111,11 +111,22 @@ asio::awaitable<void> WebSocket::watch() {
     const milliseconds shortest = std::min(
         {limits_.open_timeout, limits_.message_timeout, limits_.silence_timeout, limits_.write_timeout});
     while (!over_) {
-        watch_timer_.expires_after(std::clamp(shortest / 8, milliseconds{1}, milliseconds{250}));
+        const milliseconds tick = std::clamp(shortest / 8, milliseconds{1}, milliseconds{250});
+        watch_timer_.expires_after(tick);
+        const Time due = watch_timer_.expiry();
         co_await watch_timer_.async_wait(as_result);
         if (over_) co_return;
-        if (auto error = overdue(steady_clock::now())) fail(std::move(*error));
+        const Time now = steady_clock::now();
+        if (now - due > tick) excuse(now - due);
+        if (auto error = overdue(now)) fail(std::move(*error));
     }
+}
+
+/// A program that was stopped, or a machine that was, says nothing about the server.
+void WebSocket::excuse(steady_clock::duration stood_still) {
+    heard_ += stood_still;
+    for (std::optional<Time>* since : {&opening_, &message_, &writing_})
+        if (*since) **since += stood_still;
 }
 
 asio::awaitable<Result<void>> WebSocket::open(std::string target, std::string subprotocol) {

@@ -62,6 +62,7 @@ class WebSocket : public std::enable_shared_from_this<WebSocket> {
     using Time = std::chrono::steady_clock::time_point;
     boost::asio::awaitable<void> watch();
     std::optional<Error> overdue(Time now) const;
+    void excuse(std::chrono::steady_clock::duration stood_still);
     Error describe(boost::system::error_code error, std::string_view doing);
 
     ServerAddress server_;

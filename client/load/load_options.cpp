@@ -118,8 +118,8 @@ CommandLine read_command_line(int argc, const char* const* argv) {
 
     app.add_flag("--verify", plan.verify, "Check that a page that comes again has the same bytes and ETag");
     app.add_option("--assert", assertions,
-                   "METRIC<=LIMIT, as in 'p99<=5ms' or 'errors==0'; repeatable; exit code 3 if it "
-                   "fails. Metrics: " +
+                   "METRIC<=LIMIT, as in 'p99<=5ms' or 'errors==0'; a time without a unit is in "
+                   "milliseconds; repeatable; exit code 3 if it fails. Metrics: " +
                        std::string{load_metric_help()})
         ->allow_extra_args(false);
     app.add_option("--json", options.json_file,

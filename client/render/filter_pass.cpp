@@ -1,5 +1,8 @@
 #include "client/render/filter_pass.h"
 
+#include <bit>
+#include <cmath>
+
 #include "client/render/held_sprites.h"
 #include "client/render/shader_program.h"
 #include "client/render/surface_geometry.h"
@@ -26,6 +29,18 @@ GlBuffer make_block(std::size_t bytes) {
 }
 
 }  // namespace
+
+void SourceBlock::set_window(int side) {
+    window_side = side;
+    window_log2 = std::countr_zero(static_cast<unsigned>(side));
+    // The page at the origin reaches up to a page to each side
+    window_scale = 1 / static_cast<float>(page_side_texels * (side / 2 - 1));
+}
+
+void SourceBlock::set_bias(double bias) {
+    lod_bias = static_cast<float>(bias);
+    squared_bias = static_cast<float>(std::exp2(2 * bias));
+}
 
 void SourceBlock::set_origin(const PlanePoint& origin) {
     origin_page[0] = static_cast<std::int32_t>(origin.x >> 8);
@@ -111,13 +126,17 @@ Result<void> FilterPass::draw(const ShaderVariant& variant, const SourceBlock& s
         glBindTextureUnit(7, texels.marks);
         glBindSampler(7, nearest_.name());
     }
+    if (variant.fading || variant.overlay != Overlay::none) {
+        glBindTextureUnit(8, texels.entries);
+        glBindSampler(8, nearest_.name());
+    }
     if (variant.feedback) glBindImageTexture(0, texels.feedback, 0, GL_TRUE, 0, GL_WRITE_ONLY, GL_R32UI);
     glBindVertexArray(no_vertices_.name());
     if (geometry)
         geometry->draw(variant.feedback);
     else
         glDrawArrays(GL_TRIANGLES, 0, 3);
-    for (GLuint unit = 0; unit < 8; ++unit) glBindSampler(unit, 0);
+    for (GLuint unit = 0; unit < 9; ++unit) glBindSampler(unit, 0);
     return {};
 }
 

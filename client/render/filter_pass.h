@@ -30,19 +30,26 @@ struct SourceBlock {
     float lod_bias = 0;
     std::int32_t side_log2 = 0;
     float most_columns = 8;
-    float unused = 0;
+    float squared_bias = 1;        ///< 4 to the power of lod_bias
+    float window_scale = 0;        ///< 1 over the distance that lies in the window of level 0 for sure
+    std::int32_t window_log2 = 0;  ///< Of window_side
+    float unused[2] = {};
 
     /// Positions count from `origin`: the page of level 0 that holds it, and where in that page it lies.
     void set_origin(const PlanePoint& origin);
     void set_extent(Extent extent, const PlanePoint& origin);
+    /// Of a page table.
+    void set_window(int window_side);
+    void set_bias(double lod_bias);
 };
-static_assert(sizeof(SourceBlock) == 64);
+static_assert(sizeof(SourceBlock) == 80);
 
 /// What a shader reads texels from; which of them, its variant says.
 struct TexelTextures {
     GLuint colour = 0;                  ///< Pages, or a whole texture; decodes to linear light.
     GLuint coded = 0;                   ///< Pages as stored.
-    GLuint table = 0;                   ///< The page table.
+    GLuint table = 0;                   ///< The page table, as shaders read it.
+    GLuint entries = 0;                 ///< The page table's full entries: who shows age, needs these.
     GLuint integrals = 0;               ///< See IntegralStore.
     const HeldSprites* held = nullptr;  ///< Sprites in hands, prepared for the view; null: none.
     GLuint feedback = 0;  ///< R32UI, as large as the page table: entries of pages that were read become 1.

@@ -19,7 +19,7 @@ class GpuTable {
         : side_{static_cast<std::size_t>(window_side)},
           entries_(side_ * side_ * (std::size_t{extent.n} + 1)) {
         glPixelStorei(GL_PACK_ALIGNMENT, 4);
-        glGetTextureImage(table.texture(), 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
+        glGetTextureImage(table.entries(), 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
                           static_cast<GLsizei>(entries_.size() * sizeof(TableEntry)), entries_.data());
     }
     const TableEntry& at(PageKey page) const {

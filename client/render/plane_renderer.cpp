@@ -9,8 +9,8 @@ namespace {
 /// The uniform block `View` of shaders/view.glsl, in std140.
 struct ViewBlock {
     float forward[4];
-    float right[4];  ///< × tangent of half the horizontal field of view; last: nothing is nearer than this
-    float up[4];     ///< × tangent of half the vertical field of view
+    float right[4];  ///< A pixel's width at depth 1; last: nothing is nearer than this
+    float up[4];     ///< A pixel's height at depth 1
     float picture[2];
     float height;  ///< What haze is measured by
     float haze;    ///< 1, or 0 without
@@ -29,8 +29,8 @@ constexpr double least_haze_height = 1500;  ///< Texels, of surfaces that are no
 ViewBlock block_of(const PlaneView& view, bool haze) {
     ViewBlock block{};
     put(block.forward, view.forward(), 1);
-    put(block.right, view.right(), view.tangent_x());
-    put(block.up, view.up(), view.tangent_y());
+    put(block.right, view.right(), 2 * view.tangent_x() / view.width());
+    put(block.up, view.up(), 2 * view.tangent_y() / view.height());
     block.picture[0] = static_cast<float>(view.width());
     block.picture[1] = static_cast<float>(view.height());
     // Hills and walls near the eye are no fog
@@ -47,6 +47,34 @@ int rows_of_plane(const PlaneView& view) {
     const double rise = view.tangent_y() * view.up().z;
     const double horizon = (1 - view.forward().z / rise) * view.height() / 2 - 0.5;
     return static_cast<int>(std::ceil(std::clamp(horizon, 0.0, static_cast<double>(view.height()))));
+}
+
+/// How many rows of the plane's, from the picture's lower edge, have no footprint longer than so many times
+/// its width. Of a row, the outermost are the longest; and each row's are longer than those of the row below.
+int rows_of_footprints(const PlaneView& view, int rows, double most) {
+    const auto ratio = [&](double x, double y) {
+        const double right = (2 * x / view.width() - 1) * view.tangent_x(),
+                     up = (2 * y / view.height() - 1) * view.tangent_y();
+        const auto along = [&](double Vector3::*axis) {
+            return view.forward().*axis + right * view.right().*axis + up * view.up().*axis;
+        };
+        const double fall = -along(&Vector3::z), rise = view.up().z / fall;
+        const double dy = std::hypot(view.up().x + rise * along(&Vector3::x),
+                                     view.up().y + rise * along(&Vector3::y)) *
+                          view.tangent_y() / view.height(),
+                     dx = view.tangent_x() / view.width();
+        return fall > 0 ? std::max(dx / dy, dy / dx) : 1e30;
+    };
+    int low = 0, high = rows;
+    while (low < high) {
+        const int middle = (low + high + 1) / 2;
+        const double y = middle - 0.5;
+        if (std::max(ratio(0.5, y), ratio(view.width() - 0.5, y)) < most)
+            low = middle;
+        else
+            high = middle - 1;
+    }
+    return low;
 }
 
 ShaderVariant variant_of(const PlaneStyle& style, bool is_plane = true, bool held = false) {
@@ -74,11 +102,11 @@ Result<void> PlaneRenderer::draw(const FrameTarget& target, const PlaneView& vie
     SourceBlock source;
     source.set_origin(view.camera().ground);
     source.set_extent(extent_, view.camera().ground);
-    source.window_side = window_side;
+    source.set_window(window_side);
     source.now_ms = style.now_ms;
     source.fade_ms = style.fade_ms;
     source.most_columns = static_cast<float>(style.filter.columns);
-    source.lod_bias = static_cast<float>(style.lod_bias);
+    source.set_bias(style.lod_bias);
 
     const bool stored = style.filter.filter == Filter::stored;
     const int first = std::clamp(style.first_column, 0, view.width()),
@@ -114,9 +142,22 @@ Result<void> PlaneRenderer::draw(const FrameTarget& target, const PlaneView& vie
             surface = pass_.draw(variant_of(quiet, false), source, std::as_bytes(std::span{&block, 1}),
                                  texels, &geometry_);
         }
-        surface =
-            pass_.draw(variant_of(style, view.is_plane(), texels.held != nullptr), source,
-                       std::as_bytes(std::span{&block, 1}), texels, view.is_plane() ? nullptr : &geometry_);
+        ShaderVariant variant = variant_of(style, view.is_plane(), texels.held != nullptr);
+        // Near rows, whose footprints are short, have the simpler shader
+        int simpler = 0;
+        if (variant.filter.filter == Filter::anisotropic && view.is_plane() && !variant.fading &&
+            !variant.feedback && style.lod_bias >= 0)
+            simpler = rows_of_footprints(view, rows, 0.999 * most_few_probes);
+        if (simpler > 0) {
+            variant.few_probes = true;
+            glScissor(first, 0, columns, simpler);
+            surface = pass_.draw(variant, source, std::as_bytes(std::span{&block, 1}), texels);
+            variant.few_probes = false;
+            glScissor(first, simpler, columns, rows - simpler);
+        }
+        if (simpler < rows && surface)
+            surface = pass_.draw(variant, source, std::as_bytes(std::span{&block, 1}), texels,
+                                 view.is_plane() ? nullptr : &geometry_);
         glDisable(GL_FRAMEBUFFER_SRGB);
     }
     glDisable(GL_SCISSOR_TEST);

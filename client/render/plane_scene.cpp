@@ -84,9 +84,42 @@ Result<void> PlaneScene::draw(const FrameTarget& target, const PlaneView& view, 
     if (style.overlay == Overlay::revision) marks_.update(residency_);
     return renderer_.draw(
         target, view,
-        {pages_.texture(), pages_.coded_texture(), table_.texture(), integrals_ ? integrals_->texture() : 0,
-         held_sprites_.prepare(held_, view) ? &held_sprites_ : nullptr, feedback, marks_.texture()},
+        textures(integrals_.get(), held_sprites_.prepare(held_, view) ? &held_sprites_ : nullptr, feedback),
         residency_.settings().window_side, style);
+}
+
+TexelTextures PlaneScene::textures(const IntegralStore* integrals, const HeldSprites* held,
+                                   GLuint feedback) const {
+    return {.colour = pages_.texture(),
+            .coded = pages_.coded_texture(),
+            .table = table_.texture(),
+            .entries = table_.entries(),
+            .integrals = integrals ? integrals->texture() : 0,
+            .held = held,
+            .feedback = feedback,
+            .marks = marks_.texture()};
+}
+
+Result<void> PlaneScene::warm_up(const PlaneView& view, FilterChoice filter) {
+    constexpr int side = 32;  // pixels: enough for near rows and far ones
+    const FrameTarget unseen{side, side};
+    const PlaneView small{view.camera(), side, side, view.surface()};
+    std::unique_ptr<IntegralStore> integrals;  // sums of no page: the real ones take long, and much room
+    if (filter.filter == Filter::line_integral && !integrals_) {
+        auto made = IntegralStore::make(1);
+        if (!made) return made.error();
+        integrals = std::move(made.value());
+    }
+    const TexelTextures texels = textures(integrals ? integrals.get() : integrals_.get(), nullptr, 0);
+    // With and without pages that fade in
+    for (const float fade_ms : {0.0F, 1.0F}) {
+        const PlaneStyle style{.filter = filter, .fade_ms = fade_ms};
+        if (const auto drawn =
+                renderer_.draw(unseen, small, texels, residency_.settings().window_side, style);
+            !drawn)
+            return drawn.error();
+    }
+    return {};
 }
 
 }  // namespace tessera

@@ -44,6 +44,10 @@ class PlaneScene {
     Result<void> draw(const FrameTarget& target, const PlaneView& view, PlaneStyle style,
                       GLuint feedback = 0);
 
+    /// Draws some pixels by this filter that nobody sees, so that its first frame need not wait for the
+    /// driver to compile: takes as long as that, and belongs where nobody waits. Error: as in draw().
+    Result<void> warm_up(const PlaneView& view, FilterChoice filter);
+
     /// The cache has so many slots from now on; what is resident stays, as far as there is room. Error:
     /// io_failure (no room on the GPU); nothing has changed then.
     Result<void> resize(std::size_t slots);
@@ -57,6 +61,7 @@ class PlaneScene {
   private:
     PlaneScene(Extent extent, PageSource& source, const ResidencySettings& settings, PlaneRenderer renderer);
     Result<void> bring_integrals();
+    TexelTextures textures(const IntegralStore* integrals, const HeldSprites* held, GLuint feedback) const;
 
     Residency residency_;
     PageStore pages_;

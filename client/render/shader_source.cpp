@@ -3,6 +3,7 @@
 #include <initializer_list>
 
 #include "anisotropic_glsl.h"
+#include "constants_vert.h"
 #include "filter_glsl.h"
 #include "held_sprites_glsl.h"
 #include "isotropic_glsl.h"
@@ -60,6 +61,7 @@ std::string definitions(const ShaderVariant& variant) {
     if (variant.overlay != Overlay::none)
         text += "#define OVERLAY " + std::to_string(static_cast<int>(variant.overlay)) + '\n';
     if (variant.count_fetches) text += "#define COUNT_FETCHES\n";
+    if (variant.few_probes) text += "#define FEW_PROBES\n";
     if (variant.feedback) text += "#define FEEDBACK\n";
     if (variant.held_sprites) text += "#define HELD_SPRITES\n";
     return text;
@@ -98,8 +100,9 @@ std::string fragment_source(const ShaderVariant& variant) {
 }
 
 std::string vertex_source(const ShaderVariant& variant) {
-    if (variant.picture != ShaderVariant::Picture::surface) return std::string{version} + picture_vert_source;
-    return std::string{version} + view_glsl_source + surface_vert_source;
+    const std::string text = std::string{version} + "#define VERTEX\n" + constants_vert_source;
+    if (variant.picture != ShaderVariant::Picture::surface) return text + picture_vert_source;
+    return text + view_glsl_source + surface_vert_source;
 }
 
 }  // namespace tessera

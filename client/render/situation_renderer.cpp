@@ -76,7 +76,7 @@ Result<void> SituationRenderer::draw(const Situation& situation, const TexelText
     const PlanePoint origin{situation.origin_x, situation.origin_y, 0, 0};
     source.set_origin(origin);
     source.set_extent(extent, origin);
-    source.window_side = window_side;
+    source.set_window(window_side);
     source.most_columns = static_cast<float>(filter.columns);
     return draw(situation, source, pages, variant_of(filter, false, count_fetches));
 }

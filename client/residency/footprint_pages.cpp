@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <span>
 #include <unordered_map>
+#include <utility>
 
 #include "client/residency/piece_visibility.h"
 #include "client/residency/pixel_reads.h"
@@ -10,7 +11,7 @@
 namespace tessera {
 namespace {
 
-constexpr int block_pixels = 32;
+constexpr int block_pixels = 32, plane_block_pixels = 128;
 constexpr int least_pixels = 8;  ///< A smaller block reads all that it may read, but for a few pages.
 
 /// A page is needed once a pixel is known that reads it. Blocks of pixels tell what may be needed; those of
@@ -33,8 +34,10 @@ class Blocks {
         for (const Block& block : blocks) {
             reads_.look_at(*block.piece);
             const auto may_read = std::span{may_read_}.subspan(block.first_read, block.reads);
-            if (std::ranges::any_of(may_read, [](const Page* page) { return !page->is_needed; }))
+            if (std::ranges::find(may_read, nullptr) != may_read.end())
                 look_closer(*block.piece, block.seen);
+            else
+                for (Known* known : may_read) seek(*block.piece, *known, block.seen.box);
         }
         std::vector<NeededPage> found;
         found.reserve(pages_.size());
@@ -56,6 +59,8 @@ class Blocks {
         bool is_needed = false;
     };
 
+    using Known = std::pair<const PageKey, Page>;
+
     void add_blocks(const FlatPiece& piece, std::vector<Block>& blocks) {
         const Seen whole = visibility_.seen(piece, visibility_.box_of(piece));
         const PixelBox& box = whole.box;
@@ -64,13 +69,19 @@ class Blocks {
             if (whole.pixels > 0) blocks.push_back({&piece, whole});
             return;
         }
+        const int side = view_.is_plane() ? plane_block_pixels : block_pixels;
+        // A plane's, in pixels from the top, or far above
+        const double horizon =
+            piece.w[1] > 1e-9 * piece.w[2] ? view_.height() / 2.0 - piece.w[2] / piece.w[1] : -1e9;
         for (int y = box.top; y < box.bottom;) {
             // Near a horizon a row's level differs from the next one's
-            const int rows = view_.is_plane() ? std::clamp((y - box.top) / 2, 1, block_pixels) : block_pixels;
+            const int rows =
+                view_.is_plane()
+                    ? static_cast<int>(std::clamp((y - horizon) / 4, 1.0, static_cast<double>(side)))
+                    : side;
             const int below = std::min(y + rows, box.bottom);
-            for (int x = box.left; x < box.right; x += block_pixels) {
-                const Seen seen =
-                    visibility_.seen(piece, {x, y, std::min(x + block_pixels, box.right), below});
+            for (int x = box.left; x < box.right; x += side) {
+                const Seen seen = visibility_.seen(piece, {x, y, std::min(x + side, box.right), below});
                 if (seen.pixels > 0) blocks.push_back({&piece, seen});
             }
             y = below;
@@ -87,6 +98,10 @@ class Blocks {
         return reads_.bounds(box.left, box.top, box.right, box.bottom);
     }
 
+    bool may_read(const PixelBox& box, PageKey page) const {
+        return reads_.may_read(box.left, box.top, box.right, box.bottom, page);
+    }
+
     /// The pages of a level that a block may read share its pixels evenly.
     void share_pixels(Block& block) {
         block.first_read = may_read_.size();
@@ -95,15 +110,16 @@ class Blocks {
             for (int level = may.finest; level <= may.coarsest; ++level) {
                 met_.clear();
                 if (!reads_.add_pages(may.ground, level, met_) && !view_.is_plane())
-                    may_read_.push_back(&unknown_);
+                    may_read_.push_back(nullptr);
                 for (const PageKey key : met_) {
-                    Page& page = pages_[key];
-                    page.pixels += static_cast<double>(block.seen.pixels) / static_cast<double>(met_.size());
-                    may_read_.push_back(&page);
+                    Known& known = *pages_.try_emplace(key).first;
+                    known.second.pixels +=
+                        static_cast<double>(block.seen.pixels) / static_cast<double>(met_.size());
+                    may_read_.push_back(&known);
                 }
             }
         } else {
-            may_read_.push_back(&unknown_);
+            may_read_.push_back(nullptr);
         }
         block.reads = may_read_.size() - block.first_read;
     }
@@ -146,6 +162,35 @@ class Blocks {
         return false;
     }
 
+    /// Whether some pixel of the box reads a page that no pixel is known to read.
+    void seek(const FlatPiece& piece, Known& known, PixelBox box) {
+        if (known.second.is_needed) return;
+        const PixelReads::Part part = reads_.part_of(known.first);
+        box.left = std::max(box.left, static_cast<int>(std::max(part.left, 0.0)));
+        box.top = std::max(box.top, static_cast<int>(std::max(part.top, 0.0)));
+        box.right = std::min(box.right, static_cast<int>(std::min(part.right, 1e6)) + 1);
+        box.bottom = std::min(box.bottom, static_cast<int>(std::min(part.bottom, 1e6)) + 1);
+        seek_within(piece, known, box);
+    }
+
+    void seek_within(const FlatPiece& piece, Known& known, const PixelBox& within, int depth = 0) {
+        if (known.second.is_needed || within.is_empty()) return;
+        const Seen seen = visibility_.seen(piece, within);
+        if (seen.pixels == 0 || (is_bounded(seen.box) && !may_read(seen.box, known.first))) return;
+        const PixelBox& box = seen.box;
+        if (box.pixels() <= least_pixels) {
+            if (view_.is_plane())
+                known.second.is_needed = true;
+            else
+                need_all(piece, box);
+            return;
+        }
+        if (depth % 2 == 0) look_at_pixel(seen.x, seen.y);
+        const auto [first, second] = halves(box);
+        seek_within(piece, known, first, depth + 1);
+        seek_within(piece, known, second, depth + 1);
+    }
+
     void look_closer(const FlatPiece& piece, const Seen& seen) {
         if (seen.pixels == 0 || !may_need_more(seen.box)) return;
         const PixelBox& box = seen.box;
@@ -154,24 +199,28 @@ class Blocks {
             return;
         }
         look_at_pixel(seen.x, seen.y);
-        // Along the longer side, so that parts are nearly square
-        if (box.right - box.left >= box.bottom - box.top) {
-            const int middle = (box.left + box.right) / 2;
-            look_closer(piece, visibility_.seen(piece, {box.left, box.top, middle, box.bottom}));
-            look_closer(piece, visibility_.seen(piece, {middle, box.top, box.right, box.bottom}));
-        } else {
-            const int middle = (box.top + box.bottom) / 2;
-            look_closer(piece, visibility_.seen(piece, {box.left, box.top, box.right, middle}));
-            look_closer(piece, visibility_.seen(piece, {box.left, middle, box.right, box.bottom}));
-        }
+        const auto [first, second] = halves(box);
+        look_closer(piece, visibility_.seen(piece, first));
+        look_closer(piece, visibility_.seen(piece, second));
+    }
+
+    /// Across the longer side, so that parts are nearly square; but a plane's levels differ between its rows
+    /// much more than along them.
+    std::pair<PixelBox, PixelBox> halves(const PixelBox& box) const {
+        PixelBox first = box, second = box;
+        const int width = box.right - box.left, height = box.bottom - box.top;
+        if (height == 1 || width >= (view_.is_plane() ? 8 : 1) * height)
+            first.right = second.left = (box.left + box.right) / 2;
+        else
+            first.bottom = second.top = (box.top + box.bottom) / 2;
+        return {first, second};
     }
 
     const PlaneView& view_;
     PieceVisibility visibility_;
     PixelReads reads_;
     std::unordered_map<PageKey, Page> pages_;
-    Page unknown_;                 ///< Of blocks of which nothing can be said: never needed
-    std::vector<Page*> may_read_;  ///< By the blocks, one after the other
+    std::vector<Known*> may_read_;  ///< By the blocks, one after the other; null: nothing can be said
     std::vector<PageKey> met_;
 };
 

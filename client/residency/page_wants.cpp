@@ -89,20 +89,37 @@ void PageWants::expect(PageKey page) {
     }
 }
 
+/// The page to ask for next; null: none. `sharper`: rather one that makes something sharper than one that
+/// makes it newer.
+const PageKey* PageWants::best(bool sharper) const {
+    const PageKey* best = nullptr;
+    const Want* most = nullptr;
+    for (const auto& [page, want] : wants_) {
+        if (want.expected <= 1e-9 || is_under_way_(page)) continue;
+        if (sharper && want.urgency >= Urgency::renew) continue;
+        if (most && (want.expected < most->expected || (want.expected == most->expected && page < *best)))
+            continue;
+        best = &page;
+        most = &want;
+    }
+    return best || !sharper ? best : this->best(false);
+}
+
+/// Where pages change faster than they come, the newest would be asked for again and again, and the view
+/// would never be sharp: these take half of what is under way, as long as anything is missing.
 std::vector<WantedPage> PageWants::take(std::size_t first) {
-    std::vector<PageKey> order;
+    std::size_t renewing = 0, sharpening = 0;
+    const auto count_way = [&](const Want& want) {
+        renewing += want.urgency == Urgency::renew ? 1 : 0;
+        sharpening += want.urgency < Urgency::renew ? 1 : 0;
+    };
+    for (const auto& [page, want] : wants_)
+        if (is_under_way_(page)) count_way(want);
     for (std::size_t rank = 0; rank < first; ++rank) {
-        const PageKey* best = nullptr;
-        const Want* most = nullptr;
-        for (const auto& [page, want] : wants_) {
-            if (want.expected <= 1e-9 || is_under_way_(page)) continue;
-            if (most && (want.expected < most->expected || (want.expected == most->expected && page < *best)))
-                continue;
-            best = &page;
-            most = &want;
-        }
-        if (!best) break;
-        const PageKey page = *best;
+        const PageKey* next = best(renewing >= sharpening);
+        if (!next) break;
+        const PageKey page = *next;
+        count_way(wants_[page]);
         wants_[page].gain += in_order * static_cast<double>(first - rank);
         wants_[page].expected = 0;
         expect(page);

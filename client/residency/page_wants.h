@@ -59,6 +59,7 @@ class PageWants {
     void count(const Missing& missing, int before, double sign);
     void expect(PageKey page);
     void gain(PageKey page, double gain, Urgency urgency);
+    const PageKey* best(bool sharper) const;
 
     const PageTable& table_;
     const PageVersions& versions_;

@@ -39,7 +39,23 @@ PlaneView::PlaneView(const Camera& camera, int width, int height, const Surface&
     up_ = {-sin_yaw * sin_pitch, cos_yaw * sin_pitch, cos_pitch};
     tangent_y_ = std::tan(camera.field_of_view_degrees * degree / 2);
     tangent_x_ = tangent_y_ * width / height;
-    pieces_ = std::make_shared<const std::vector<FlatPiece>>(pieces_of(surface, *this));
+    pieces_ = pieces_of_frame();
+}
+
+/// A frame makes the same view several times, and hills are thousands of pieces.
+std::shared_ptr<const std::vector<FlatPiece>> PlaneView::pieces_of_frame() const {
+    struct Made {
+        Camera camera;
+        int width = 0, height = 0;
+        Surface surface;
+        std::shared_ptr<const std::vector<FlatPiece>> pieces;
+    };
+    thread_local Made last;
+    if (!last.pieces || !(last.camera == camera_) || last.width != width_ || last.height != height_ ||
+        !(last.surface == surface_))
+        last = {camera_, width_, height_, surface_,
+                std::make_shared<const std::vector<FlatPiece>>(pieces_of(surface_, *this))};
+    return last.pieces;
 }
 
 PlaneView PlaneView::from(const Camera& camera) const {

@@ -70,6 +70,8 @@ class PlaneView {
     double pixel_step() const { return 2 * tangent_y_ / height_; }
 
   private:
+    std::shared_ptr<const std::vector<FlatPiece>> pieces_of_frame() const;
+
     Camera camera_;
     int width_;
     int height_;

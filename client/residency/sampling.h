@@ -23,14 +23,15 @@ struct Sampling {
 
 inline constexpr double most_anisotropy = 16;
 
-/// The level, fractional and unclamped, of a line integral over a footprint whose bounding box is `across` by
-/// `along` texels, `across` the shorter: a whole number but for `bias`. line_integral.glsl says why.
-inline double line_integral_level(double across, double along, double most_columns) {
+/// How wide a column is, in texels, of a line integral over a footprint whose bounding box is `across` by
+/// `along` texels, `across` the shorter; its level is the binary logarithm of that, rounded up.
+/// line_integral.glsl says why.
+inline double line_integral_column(double across, double along, double most_columns) {
     constexpr double most_pieces = 40, page_side = 256;
     const double pages = along / (across * page_side);
     const double columns =
         std::min(most_columns, 2 * most_pieces / (1 + std::sqrt(1 + 4 * most_pieces * pages)));
-    return std::log2(across / columns);
+    return across / columns;
 }
 
 }  // namespace tessera

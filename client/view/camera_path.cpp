@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <numbers>
 #include <sstream>
 
 #include "client/view/view.pb.h"
@@ -100,6 +101,22 @@ Camera first_camera(Extent extent) {
             .height_texels = std::min(700.0, static_cast<double>(extent.side_texels())),
             .yaw_degrees = 24,
             .pitch_degrees = -22};
+}
+
+Camera first_camera(const OpeningView& view, Extent extent, double height_pixels) {
+    constexpr double radians = std::numbers::pi / 180;
+    Camera camera{.ground = {view.x, view.y, 0.5, 0.5}, .pitch_degrees = -50};
+    const double distance =
+        std::exp2(view.level) * height_pixels / (2 * std::tan(camera.field_of_view_degrees / 2 * radians));
+    const PlanePoint eye = camera.ground.moved(0, distance * std::cos(camera.pitch_degrees * radians));
+    if (eye.y < extent.side_texels()) {
+        camera.ground = eye;
+        camera.height_texels = distance * -std::sin(camera.pitch_degrees * radians);
+    } else {
+        camera.pitch_degrees = -90;
+        camera.height_texels = distance;
+    }
+    return camera;
 }
 
 }  // namespace tessera

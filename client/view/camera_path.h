@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "client/residency/camera.h"
+#include "shared/page/opening_view.h"
 #include "shared/page/page_key.h"
 #include "shared/result/result.h"
 
@@ -39,5 +40,9 @@ std::string camera_key_json(double seconds, const Camera& camera);
 
 /// Above the middle of the virtual texture, looking down at a slant: where a visit begins.
 Camera first_camera(Extent extent);
+
+/// Looks north at the view's middle, down at a slant, or straight down where an eye at a slant would lie
+/// outside: in the middle of a picture `height_pixels` high, a pixel is as many texels wide as the view says.
+Camera first_camera(const OpeningView& view, Extent extent, double height_pixels);
 
 }  // namespace tessera

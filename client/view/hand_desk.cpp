@@ -332,7 +332,7 @@ void HandDesk::be_present(ClientTime now) {
 void HandDesk::fill(ViewFrame& frame) const {
     frame.holds = hand_.carries().holds();
     for (PageHold& hold : others_.holds()) frame.holds.push_back(std::move(hold));
-    for (const HeldSprite& sprite : others_.held(view_.step)) frame.held.push_back(sprite);
+    if (!others_.empty()) frame.held = others_.held(view_.step, hand_.book().in_order());
     for (const HeldSprite& sprite : hand_.held())
         if (is_open || sprite.hold != 0) frame.held.push_back(sprite);
 }

@@ -98,6 +98,7 @@ class HandDesk {
     const std::deque<News>& news() const { return news_; }
     /// For people: what just went wrong, for some seconds. Empty: nothing.
     const std::string& message() const { return message_; }
+    void say(std::string message) { say(std::move(message), view_.now); }
 
   private:
     void hear_hello();

@@ -1,19 +1,22 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "client/view/hand_desk.h"
 #include "client/view/hand_view.h"
-
-struct GLFWwindow;
+#include "client/view/window_events.h"
 
 namespace tessera {
+
+/// Where the brush is over no entry of its map: so, and where the map is. Empty: it may paint.
+std::string why_not_paint(HandDesk& desk);
 
 /// Mouse and keys of a window for the hand: what it takes, the camera does not get.
 class HandInput {
   public:
     /// Both outlive this.
-    HandInput(GLFWwindow* window, HandDesk& desk) : window_{window}, desk_{desk} {}
+    HandInput(const WindowEvents& events, HandDesk& desk) : events_{events}, desk_{desk} {}
 
     /// Once a frame, within ImGui's, before the camera's input. `view`: the last frame's picture; pixels are
     /// the framebuffer's.
@@ -30,12 +33,15 @@ class HandInput {
     void keys(double texels_per_pixel);
     void sprite_keys(double texels_per_pixel);
     void press(const HandPoint& at, double texels_per_pixel);
+    void drag(bool is_down, bool snap);
+    void let_go();
     bool escape();
 
-    GLFWwindow* window_;
+    const WindowEvents& events_;
     HandDesk& desk_;
-    bool has_mouse_ = false, is_down_ = false, moved_ = false, took_escape_ = false;
+    bool has_mouse_ = false, is_down_ = false, was_button_ = false, moved_ = false, took_escape_ = false;
     double start_x_ = 0, start_y_ = 0;
+    HandDesk::Tool tool_ = HandDesk::Tool::hand;  ///< That the button went down with
     std::optional<HandPoint> last_;
 };
 

@@ -1,5 +1,6 @@
 #include "client/view/hand_overlay.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -110,8 +111,43 @@ void HandOverlay::selection(const HandDesk& desk) {
     dot(knob, 4);
 }
 
+/// In pieces, of which those behind the eye are left out: they grow with their distance from it.
+void HandOverlay::border(const TexelBox& box) {
+    const auto [eye, height] = picture_.eye();
+    const HandPoint low{box.x0 * sprite_units, box.y0 * sprite_units},
+        high{box.x1 * sprite_units, box.y1 * sprite_units};
+    const auto side = [&](const HandPoint& from, const HandPoint& to) {
+        const auto length = static_cast<double>((to.x - from.x) + (to.y - from.y)) / sprite_units;
+        const bool is_along_x = from.y == to.y;
+        const double nearest = std::clamp(
+            static_cast<double>(is_along_x ? eye.x - from.x : eye.y - from.y) / sprite_units, 0.0, length);
+        std::vector<double> marks{nearest};
+        for (double away = height / 8; away < length; away *= 1.3) {
+            if (nearest - away > 0) marks.insert(marks.begin(), nearest - away);
+            if (nearest + away < length) marks.push_back(nearest + away);
+        }
+        marks.insert(marks.begin(), 0);
+        marks.push_back(length);
+        std::optional<ImVec2> last;
+        for (const double mark : marks) {
+            const auto at = place(from, is_along_x ? HandOffset{mark, 0} : HandOffset{0, mark});
+            if (last && at) {
+                list_.AddLine(*last, *at, shadow, 4.5F * scale_);
+                list_.AddLine(*last, *at, amber, 2 * scale_);
+            }
+            last = at;
+        }
+    };
+    side(low, {high.x, low.y});
+    side({low.x, high.y}, high);
+    side(low, {low.x, high.y});
+    side({high.x, low.y}, high);
+}
+
 void HandOverlay::brush(HandDesk& desk) {
-    if (desk.tool != HandDesk::Tool::brush || !desk.brush() || !desk.cursor()) return;
+    if (desk.tool != HandDesk::Tool::brush || !desk.brush()) return;
+    if (const auto box = desk.brush()->border()) border(*box);
+    if (!desk.cursor()) return;
     constexpr int corners = 64;
     std::array<HandOffset, corners> circle;
     for (int i = 0; i < corners; ++i) {

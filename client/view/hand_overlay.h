@@ -21,6 +21,7 @@ class HandOverlay {
         : list_{list}, picture_{picture}, scale_{scale}, unit_{pixels_per_unit} {}
 
     void selection(const HandDesk& desk);
+    /// With the border of its map.
     void brush(HandDesk& desk);
     void targets(HandDesk& desk);
     void people(const HandDesk& desk);
@@ -30,6 +31,7 @@ class HandOverlay {
     /// A closed line through points of the plane; nothing if one is behind the eye.
     bool trace(const HandPoint& middle, std::span<const HandOffset> corners);
     void stroke(ImU32 colour, float width, bool dashed = false);
+    void border(const TexelBox& box);
     void outline(const HandSprite& sprite, ImU32 colour, float width, bool dashed = false);
 
     ImDrawList& list_;

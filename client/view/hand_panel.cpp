@@ -6,6 +6,7 @@
 
 #include <imgui.h>
 
+#include "client/view/hand_input.h"
 #include "client/view/hand_overlay.h"
 #include "client/view/panels/panel_columns.h"
 
@@ -40,6 +41,15 @@ bool button(const char* name, bool is_enabled, const char* words) {
     ImGui::EndDisabled();
     tip(words);
     return clicked && is_enabled;
+}
+
+/// To some 24 letters.
+std::string shortened(std::string name) {
+    constexpr std::size_t most = 24;
+    if (name.size() <= most) return name;
+    std::size_t end = most;
+    while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0) == 0x80) --end;  // within a letter
+    return name.substr(0, end) + "...";
 }
 
 std::string hint(const HandDesk& desk) {
@@ -80,10 +90,27 @@ GLuint HandPanel::texture_of(std::int32_t pattern) {
     return picture.texture.name();
 }
 
-void HandPanel::draw(const HandPicture& picture, float scale, float pixels_per_unit) {
+PanelRoom HandPanel::draw(const HandPicture& picture, float scale, float pixels_per_unit) {
     on_picture(picture, scale, pixels_per_unit);
-    others_news(scale);
-    if (!desk_.is_open) return;
+    tools_ = selection_ = {};
+    if (desk_.is_open) bars(scale);
+    const ImVec2 screen = ImGui::GetIO().DisplaySize;
+    PanelRoom room;
+    for (const Bar& bar : {tools_, selection_}) {
+        if (bar.is_above) continue;
+        const auto free = [&](float& below, bool is_met) {
+            if (is_met) below = std::max(below, bar.from_below + bar.height);
+        };
+        free(room.below_left, bar.left < PanelColumns::reach(PanelColumns::Side::left, scale));
+        free(room.below_right, bar.right > screen.x - PanelColumns::reach(PanelColumns::Side::right, scale));
+        free(room.below_corner, bar.right > screen.x - 400 * scale);
+    }
+    others_news(scale, room.below_corner);
+    if (news_height_ > 0) room.below_corner += news_height_ + 6 * scale;
+    return room;
+}
+
+void HandPanel::bars(float scale) {
     ImGui::PushStyleColor(ImGuiCol_Button, {0.17F, 0.20F, 0.245F, 1});
     ImGui::PushStyleColor(ImGuiCol_ButtonHovered, {0.26F, 0.31F, 0.37F, 1});
     ImGui::PushStyleColor(ImGuiCol_ButtonActive, {0.36F, 0.27F, 0.12F, 1});
@@ -92,6 +119,22 @@ void HandPanel::draw(const HandPicture& picture, float scale, float pixels_per_u
     tool_bar(scale);
     selection_bar(scale);
     ImGui::PopStyleColor(5);
+}
+
+/// Of the window that is being made.
+HandPanel::Bar HandPanel::bar_here(float from_below) {
+    const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
+    return {at.x, at.x + size.x, size.y, from_below, false};
+}
+
+/// In this line as far as there is room, else in lines of its own.
+void HandPanel::words(const ImVec4& colour, const std::string& text, float scale) {
+    const float end = ImGui::GetIO().DisplaySize.x - 64 * scale;
+    const float begin = ImGui::GetCursorScreenPos().x - ImGui::GetWindowPos().x;
+    if (begin + ImGui::CalcTextSize(text.c_str()).x > end) ImGui::NewLine();
+    ImGui::PushTextWrapPos(end);
+    wrapped(colour, text);
+    ImGui::PopTextWrapPos();
 }
 
 void HandPanel::tool_bar(float scale) {
@@ -127,12 +170,14 @@ void HandPanel::tool_bar(float scale) {
     ImGui::SameLine(0, 18 * scale);
     ImGui::AlignTextToFramePadding();
     if (!desk_.message().empty())
-        ImGui::TextColored(panel_colours::bad, "%s", desk_.message().c_str());
+        words(panel_colours::bad, desk_.message(), scale);
     else if (desk_.edits().waiting() > 0 && !may)
-        ImGui::TextColored(panel_colours::waiting, "%zu not saved yet: %s", desk_.edits().waiting(),
-                           desk_.why_not().c_str());
+        words(panel_colours::waiting,
+              std::to_string(desk_.edits().waiting()) + " not saved yet: " + desk_.why_not(), scale);
+    else if (const std::string outside = why_not_paint(desk_); may && !outside.empty())
+        words(panel_colours::waiting, outside, scale);
     else
-        ImGui::TextColored(panel_colours::quiet, "%s", hint(desk_).c_str());
+        words(panel_colours::quiet, hint(desk_), scale);
     switch (desk_.tool) {
         case HandDesk::Tool::hand:
             palette(scale);
@@ -154,6 +199,7 @@ void HandPanel::tool_bar(float scale) {
         ImGui::SameLine();
         ImGui::TextColored(panel_colours::quiet, "%s: rests between, more is rarer", density.block.c_str());
     }
+    tools_ = bar_here(12 * scale);
     ImGui::End();
 }
 
@@ -253,12 +299,20 @@ void HandPanel::selection_bar(float scale) {
     const std::vector<HandSprite> selection = desk_.hand().selection();
     if (selection.empty() || desk_.tool != HandDesk::Tool::hand) return;
     const ImVec2 screen = ImGui::GetIO().DisplaySize;
-    ImGui::SetNextWindowPos({screen.x / 2, 12 * scale}, ImGuiCond_Always, {0.5F, 0});
+    // Beside the panels if there is room, else above the tools
+    const bool is_above =
+        selection_width_ / 2 < screen.x / 2 - PanelColumns::reach(PanelColumns::Side::left, scale);
+    const float from_below = tools_.height + 18 * scale;
+    ImGui::SetNextWindowPos({screen.x / 2, is_above ? 12 * scale : screen.y - from_below}, ImGuiCond_Always,
+                            {0.5F, is_above ? 0.0F : 1.0F});
+    ImGui::SetNextWindowSizeConstraints({0, 0}, {std::max(300.0F, screen.x - 24 * scale), screen.y / 2});
     ImGui::Begin("selection", nullptr, bar_flags);
+    selection_width_ = ImGui::GetWindowWidth();
+    if (!is_above) selection_ = bar_here(from_below);
     const HandSprite& first = selection.front();
     ImGui::AlignTextToFramePadding();
     if (selection.size() == 1)
-        ImGui::TextUnformatted(desk_.pattern_name(first.pattern).c_str());
+        ImGui::TextUnformatted(shortened(desk_.pattern_name(first.pattern)).c_str());
     else
         ImGui::Text("%zu sprites", selection.size());
     ImGui::SameLine(0, 14 * scale);
@@ -289,20 +343,23 @@ void HandPanel::selection_bar(float scale) {
 }
 
 /// What others did in the last seconds.
-void HandPanel::others_news(float scale) {
+void HandPanel::others_news(float scale, float from_below) {
+    news_height_ = 0;
     constexpr ClientTime shown_for{5000};
     const ClientTime now = desk_.hand().view().now;
     if (desk_.news().empty() || now - desk_.news().front().at > shown_for) return;
     const ImVec2 screen = ImGui::GetIO().DisplaySize;
-    ImGui::SetNextWindowPos({screen.x - 12 * scale, screen.y - 12 * scale}, ImGuiCond_Always, {1, 1});
+    ImGui::SetNextWindowPos({screen.x - 12 * scale, screen.y - 12 * scale - from_below}, ImGuiCond_Always,
+                            {1, 1});
     ImGui::Begin("news", nullptr, bar_flags | ImGuiWindowFlags_NoInputs);
     int count = 0;
     for (const HandDesk::News& news : desk_.news()) {
         if (now - news.at > shown_for || ++count > 4) break;
-        ImGui::TextColored({news.red, news.green, news.blue, 1}, "%s", news.who.c_str());
+        ImGui::TextColored({news.red, news.green, news.blue, 1}, "%s", shortened(news.who).c_str());
         ImGui::SameLine();
-        ImGui::TextColored(panel_colours::quiet, "%s", news.what.c_str());
+        ImGui::TextColored(panel_colours::quiet, "%s", shortened(news.what).c_str());
     }
+    news_height_ = ImGui::GetWindowHeight();
     ImGui::End();
 }
 

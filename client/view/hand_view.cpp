@@ -30,6 +30,10 @@ std::optional<HandPicture::Pixel> HandPicture::pixel_of(const HandPoint& point,
                  (1 - along(view_.up()) / depth / view_.tangent_y()) * view_.height() / 2};
 }
 
+HandPicture::Eye HandPicture::eye() const {
+    return {hand_point(view_.camera().ground), view_.camera().height_texels};
+}
+
 double HandPicture::texels_per_pixel(double pixel_x, double pixel_y) const {
     const auto left = view_.ground_at(pixel_x - 1, pixel_y), right = view_.ground_at(pixel_x + 1, pixel_y);
     if (!left || !right) return 1;

@@ -22,6 +22,13 @@ class HandPicture {
     std::optional<Pixel> pixel_of(const HandPoint& point) const;
     std::optional<Pixel> pixel_of(const HandPoint& point, const HandOffset& texels_away) const;
 
+    /// The point under the eye, and how many texels above it that is.
+    struct Eye {
+        HandPoint below{};
+        double height = 1;
+    };
+    Eye eye() const;
+
     /// How many texels a pixel covers around a pixel: across, where the plane is seen at a slant.
     double texels_per_pixel(double pixel_x, double pixel_y) const;
 

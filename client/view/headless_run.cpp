@@ -40,6 +40,7 @@ class Run {
         begin_ = Clock::now();
         for (int i = 0; i < job_.frames; ++i) {
             if (const auto done = one_frame(i); !done) return done.error();
+            if (job_.progress) job_.progress(i + 1);
         }
         if (!job_.settle) {
             const auto stopped = Clock::now();

@@ -29,6 +29,8 @@ struct HeadlessJob {
     const ViewSource* source = nullptr;
     std::optional<Step>
         step{};  ///< Of all frames; none: the source's, where frames settle as it was at first
+    /// Called after each frame with how many are done; null: nobody asks.
+    std::function<void(int frames)> progress{};
     std::chrono::milliseconds patience{60'000};  ///< Without any page arriving, before a frame gives up.
 };
 

@@ -1,5 +1,6 @@
 // tessera-view: the GL client.
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <memory>
 
@@ -27,12 +28,28 @@ ResidencySettings residency_settings(const Options& options) {
     return settings;
 }
 
-Result<CameraPath> camera_path(const Options& options, Extent extent) {
-    if (options.camera.empty()) return CameraPath{first_camera(extent)};
-    return CameraPath::read(options.camera, extent);
+Result<CameraPath> camera_path(const Options& options, const SceneInfo& scene) {
+    if (!options.camera.empty()) return CameraPath::read(options.camera, scene.extent);
+    if (scene.view) return CameraPath{first_camera(*scene.view, scene.extent, options.height)};
+    return CameraPath{first_camera(scene.extent)};
+}
+
+/// A line every five seconds, for whoever waits.
+std::function<void(int)> progress_lines(int frames) {
+    using Clock = std::chrono::steady_clock;
+    static constexpr auto every = std::chrono::seconds{5};
+    return [frames, begin = Clock::now(), next = Clock::now() + every](int done) mutable {
+        if (Clock::now() < next || done == frames) return;
+        next = Clock::now() + every;
+        std::fprintf(stderr, "tessera-view: %d of %d frames, %.0f s\n", done, frames,
+                     std::chrono::duration<double>(Clock::now() - begin).count());
+    };
 }
 
 /// As the options say; a corridor stands around the first camera.
+/// How long a server that answers may be busy before the viewer gives up.
+constexpr std::chrono::seconds server_patience{60};
+
 Result<Surface> surface_of(const Options& options, const Camera& first) {
     Surface surface = options.surface;
     if (!options.terrain.empty()) {
@@ -72,7 +89,8 @@ Result<void> draw_headless(const Options& options, const SceneInfo& info, const 
                           .folder = options.output,
                           .log = log->get(),
                           .source = &source,
-                          .step = options.step};
+                          .step = options.step,
+                          .progress = progress_lines(options.frames)};
     auto metrics =
         run_headless(job, FramePainter{**scene, second.get()}, [&](auto timeout) { source.wait(timeout); });
     if (const std::string problem = (*log)->end(); !problem.empty())
@@ -133,11 +151,13 @@ Result<void> run(const Options& options) {
     if (!options.replay.empty()) return run_replay(options);
     const auto server = parse_server_address(options.url);
     if (!server) return server.error();
-    const auto info = read_scene_info(*server, options.scene);
+    const auto info = await_scene_info(*server, options.scene, server_patience, [] {
+        std::fputs("tessera-view: the server is busy, perhaps it loads its scenes; waiting for it\n", stderr);
+    });
     if (!info) return info.error();
     if (const auto checked = check_scene(*info); !checked) return checked.error();
     if (const auto there = check_channels(*info, options.channels); !there) return there.error();
-    const auto path = camera_path(options, info->extent);
+    const auto path = camera_path(options, *info);
     if (!path) return path.error();
     const auto surface = surface_of(options, path->at(path->begin_seconds()));
     if (!surface) return surface.error();

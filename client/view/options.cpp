@@ -1,6 +1,11 @@
 #include "client/view/options.h"
 
+#include <cmath>
+#include <utility>
+
 #include <CLI/CLI.hpp>
+
+#include "client/render/integral_store.h"
 
 namespace tessera {
 namespace {
@@ -174,7 +179,10 @@ bool read_options(int argc, const char* const* argv, Options& options, int& exit
     app.add_option("--panel-scale", options.panel_scale, "Panels this much larger than the screen asks")
         ->check(CLI::Range(0.5, 4.0))
         ->capture_default_str();
-    app.add_option("--cache-pages", options.cache_pages, "Pages kept on the GPU, 279 KB each")
+    app.add_option("--cache-pages", options.cache_pages,
+                   "Pages kept on the GPU, 279 KB each; line integrals take "
+                   "another " +
+                       std::to_string(IntegralStore::page_bytes >> 20) + " MiB each")
         ->capture_default_str()
         ->check(CLI::Range(64, 2048));
     app.add_option("--in-flight", options.in_flight, "Pages asked for at once")
@@ -187,6 +195,11 @@ bool read_options(int argc, const char* const* argv, Options& options, int& exit
                 throw CLI::ValidationError{wrong};
         if (const std::string wrong = check_compare(options); !wrong.empty())
             throw CLI::ValidationError{wrong};
+        for (const auto& [name, number] :
+             {std::pair{"--relief", options.surface.relief}, std::pair{"--split-at", options.split_at},
+              std::pair{"--panel-scale", options.panel_scale},
+              std::pair{"--record-limit", options.log.record_megabytes}})
+            if (!std::isfinite(number)) throw CLI::ValidationError{std::string{name} + " must be a number"};
         if (!options.terrain.empty() && view != "terrain")
             throw CLI::ValidationError{"--terrain is for --view terrain"};
         if (options.headless && options.output.empty() && options.replay.empty())

@@ -25,7 +25,7 @@ struct Options {
     ChannelSet channels = ChannelSet::albedo;
     int width = 0;  ///< Pixels of the frames, or of the window; 0: 800×700, or 1280×800
     int height = 0;
-    std::filesystem::path camera;  ///< A camera path; empty: a first view of the scene
+    std::filesystem::path camera;  ///< A camera path; empty: the scene's opening view
     std::filesystem::path output;  ///< Folder for frames and screenshots
     int frames = 0;                ///< Frames to draw; 0: one, or until the window is closed
     bool headless = false;

@@ -134,6 +134,7 @@ ViewSource::State StreamPageSource::state() const {
     const StreamStatus status = client_->status();
     State state;
     state.is_live = status.open;
+    state.last_loss = status.last_loss;
     state.others = client_->people().size();
     state.revision = client_->newest_revision();
     state.round_trip_ms = static_cast<double>(status.statistics.round_trip.count()) / 1000;

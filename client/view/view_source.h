@@ -20,8 +20,9 @@ class ViewSource : public PageSource {
 
     /// How the connection is, for people; told once a frame.
     struct State {
-        std::string trouble;   ///< Why nothing comes, and when it is tried again; empty: all is well.
-        bool is_live = false;  ///< Edits show as they are made.
+        std::string trouble;    ///< Why nothing comes, and when it is tried again; empty: all is well.
+        std::string last_loss;  ///< Why the connection was lost the last time: it may be back.
+        bool is_live = false;   ///< Edits show as they are made.
         std::uint64_t revision = 0;
         std::size_t others = 0;  ///< Who else is here.
         double round_trip_ms = 0;

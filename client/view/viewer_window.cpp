@@ -19,6 +19,7 @@
 #include "client/view/path_recorder.h"
 #include "client/view/png_file.h"
 #include "client/view/session_log.h"
+#include "client/view/warm_up.h"
 #include "client/view/window_hands.h"
 #include "client/view/window_input.h"
 
@@ -28,13 +29,15 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr auto longest_wait_for_sharpness = std::chrono::seconds{60};
+constexpr auto notice_lasts = std::chrono::seconds{4};
 
 /// ImGui on the window, for as long as this lives.
 class Panels {
   public:
     /// `larger`: than the screen asks.
-    Panels(const GlfwWindow& window, float larger)
-        : window_{window}, larger_{larger}, scale_{larger * window.content_scale()} {
+    Panels(const GlfwWindow& window, WindowEvents& events, float larger)
+        : window_{window}, events_{events}, larger_{larger}, scale_{larger * window.content_scale()} {
+        events.listen(window.handle());
         ImGui::CreateContext();
         style_panels(scale_);
         ImGui_ImplGlfw_InitForOpenGL(window.handle(), true);
@@ -59,6 +62,7 @@ class Panels {
         }
         ImGui_ImplOpenGL3_NewFrame();
         ImGui_ImplGlfw_NewFrame();
+        events_.tell(ImGui::GetIO());
         ImGui::NewFrame();
     }
     /// Draws them on the window's own framebuffer.
@@ -69,6 +73,7 @@ class Panels {
 
   private:
     const GlfwWindow& window_;
+    const WindowEvents& events_;
     float larger_;
     float scale_;
 };
@@ -95,10 +100,10 @@ class Viewer {
           painter_{scene},
           source_of_{source_of},
           log_{log},
-          panels_{window, static_cast<float>(options.panel_scale)},
+          panels_{window, events_, static_cast<float>(options.panel_scale)},
           control_{path.at(path.begin_seconds()), info.extent},
-          input_{window, control_, path.at(path.begin_seconds())},
-          hands_{source, server, info, options.name, window} {
+          input_{window, events_, control_, path.at(path.begin_seconds())},
+          hands_{source, server, info, options.name, events_} {
         switches_.filter = options.filter;
         switches_.surface = surface;
         switches_.overlay = options.overlay;
@@ -112,6 +117,7 @@ class Viewer {
         auto last = Clock::now();
         for (int frame = 0; !window_.should_close();) {
             glfwPollEvents();
+            events_.next_frame();
             const GlfwWindow::Size size = window_.framebuffer_size();
             if (size.width == 0 || size.height == 0) {  // minimised
                 glfwWaitEventsTimeout(0.1);
@@ -130,6 +136,9 @@ class Viewer {
                 break;
             }
             window_.swap();
+            const bool at_rest = sharp && options_.frames == 0 && !input_.is_steering() &&
+                                 !recorder_.is_playing() && !hands_.has_mouse();
+            if (warm_up_.advance(at_rest, now, painter_.scene(), last_frame_.view())) last = Clock::now();
         }
         return {};
     }
@@ -184,10 +193,12 @@ class Viewer {
             .bytes_received = source_.bytes_received(),
             .scale = panels_.scale(),
             .is_recording = recorder_.is_recording(),
-            .is_playing = recorder_.is_playing()};
+            .is_playing = recorder_.is_playing(),
+            .notice = Clock::now() < notice_until_ ? notice_ : PanelContents::Notice{}};
         hands_.drawn(frame);
-        hands_.draw_panels(view, panels_.scale(),
-                           static_cast<float>(size.width) / std::max(ImGui::GetIO().DisplaySize.x, 1.0F));
+        contents.room =
+            hands_.draw_panels(view, panels_.scale(),
+                               static_cast<float>(size.width) / std::max(ImGui::GetIO().DisplaySize.x, 1.0F));
         last_frame_ = shown;
         draw_panels(contents, switches_);
         panels_.end();
@@ -273,13 +284,24 @@ class Viewer {
         else if (requests.play && path_)
             recorder_.play(*path_);
         if (!requests.screenshot && !requests.screenshot_with_panels) return;
-        const auto file = options_.output / file_name(".png");
+        const auto file = new_file(".png");
         const auto written = requests.screenshot ? write_png(file, target_->read()) : write_window(file);
-        if (written)
-            std::printf("tessera-view: wrote %s\n", file.c_str());
-        else
-            std::fprintf(stderr, "tessera-view: %s\n", written.error().detail.c_str());
-        std::fflush(stdout);
+        tell(written ? "wrote " + file.string() : written.error().detail, static_cast<bool>(written));
+    }
+
+    /// To whoever started the program, and for some seconds in the window.
+    void tell(const std::string& words, bool is_good) {
+        std::fprintf(is_good ? stdout : stderr, "tessera-view: %s\n", words.c_str());
+        std::fflush(stdout);  // whoever reads a pipe wants it now
+        notice_ = {words, is_good};
+        notice_until_ = Clock::now() + notice_lasts;
+    }
+
+    /// In the folder for output, which is there then if it can be.
+    std::filesystem::path new_file(const char* ending) const {
+        std::error_code ignored;
+        if (!options_.output.empty()) std::filesystem::create_directories(options_.output, ignored);
+        return options_.output / file_name(ending);
     }
 
     static std::string file_name(const char* ending) {
@@ -292,14 +314,11 @@ class Viewer {
     void switch_recording() {
         if (!recorder_.is_recording()) return recorder_.start_recording();
         const std::string keys = recorder_.stop_recording();
-        const auto file = options_.output / file_name(".json");
+        const auto file = new_file(".json");
         if (const auto path = CameraPath::parse(keys, file.string(), info_.extent)) path_ = *path;
-        std::error_code ignored;
-        if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), ignored);
         std::ofstream stream{file, std::ios::binary};
         stream << keys << std::flush;
-        std::printf("tessera-view: %s %s\n", stream ? "wrote" : "cannot write", file.c_str());
-        std::fflush(stdout);
+        tell((stream ? "wrote " : "cannot write ") + file.string(), static_cast<bool>(stream));
     }
 
     /// The window's picture, panels included.
@@ -318,11 +337,13 @@ class Viewer {
     SourceOf source_of_;
     SessionLog& log_;
     std::unique_ptr<SecondScene> second_;
+    WindowEvents events_;
     Panels panels_;
     CameraControl control_;
     WindowInput input_;
     WindowHands hands_;
     ViewFrame last_frame_{};
+    WarmUp warm_up_;
     std::optional<FrameTarget> target_;
     ViewerSwitches switches_;
     FrameTimes times_;
@@ -330,6 +351,8 @@ class Viewer {
     std::optional<CameraPath> path_;  ///< To play
     Clock::time_point begin_ = Clock::now();
     Clock::time_point told_title_{};
+    PanelContents::Notice notice_;
+    Clock::time_point notice_until_{};
     double frame_ms_ = 0;  ///< Since the frame before
 };
 

@@ -5,11 +5,11 @@
 namespace tessera {
 
 WindowHands::WindowHands(ViewSource& source, const ServerAddress& server, const SceneInfo& scene,
-                         const std::string& name, GlfwWindow& window) {
+                         const std::string& name, const WindowEvents& events) {
     BackgroundStreamClient* stream = source.stream();
     if (!stream) return;
     desk_ = std::make_unique<HandDesk>(*stream, server, scene, name);
-    input_ = std::make_unique<HandInput>(window.handle(), *desk_);
+    input_ = std::make_unique<HandInput>(events, *desk_);
     panel_ = std::make_unique<HandPanel>(*desk_);
 }
 
@@ -42,8 +42,8 @@ void WindowHands::bring_pictures(PlaneScene& scene, PlaneScene* second, const Pi
     known_second_ = second;
 }
 
-void WindowHands::draw_panels(const PlaneView& view, float scale, float pixels_per_unit) {
-    if (desk_) panel_->draw(HandPicture{view}, scale, pixels_per_unit);
+PanelRoom WindowHands::draw_panels(const PlaneView& view, float scale, float pixels_per_unit) {
+    return desk_ ? panel_->draw(HandPicture{view}, scale, pixels_per_unit) : PanelRoom{};
 }
 
 }  // namespace tessera

@@ -5,7 +5,6 @@
 
 #include "client/link/scene_info.h"
 #include "client/link/server_address.h"
-#include "client/render/glfw_window.h"
 #include "client/render/plane_scene.h"
 #include "client/view/hand_desk.h"
 #include "client/view/hand_input.h"
@@ -20,7 +19,7 @@ class WindowHands {
   public:
     /// All outlive this.
     WindowHands(ViewSource& source, const ServerAddress& server, const SceneInfo& scene,
-                const std::string& name, GlfwWindow& window);
+                const std::string& name, const WindowEvents& events);
 
     bool are_there() const { return desk_ != nullptr; }
     HandDesk* desk() { return desk_.get(); }
@@ -42,7 +41,8 @@ class WindowHands {
     void drawn(const ResidencyFrame& frame) {
         if (desk_) desk_->drawn(frame);
     }
-    void draw_panels(const PlaneView& view, float scale, float pixels_per_unit);
+    /// Returns what other panels have to leave free.
+    PanelRoom draw_panels(const PlaneView& view, float scale, float pixels_per_unit);
 
   private:
     std::unique_ptr<HandDesk> desk_;

@@ -15,19 +15,17 @@ constexpr double zoom_steps_per_second = 7;  ///< While + or − is held
 
 }  // namespace
 
-WindowInput::WindowInput(GlfwWindow& window, CameraControl& control, const Camera& home)
-    : window_{window}, control_{control}, home_{home} {}
+WindowInput::WindowInput(GlfwWindow& window, const WindowEvents& events, CameraControl& control,
+                         const Camera& home)
+    : window_{window}, events_{events}, control_{control}, home_{home} {}
 
 WindowInput::Pixels WindowInput::cursor_pixels() const {
-    double x = 0, y = 0;
-    glfwGetCursorPos(window_.handle(), &x, &y);
+    const auto [x, y] = events_.cursor();
     int width = 1, height = 1;
     glfwGetWindowSize(window_.handle(), &width, &height);
     const GlfwWindow::Size pixels = window_.framebuffer_size();
     return {x * pixels.width / std::max(width, 1), y * pixels.height / std::max(height, 1)};
 }
-
-bool WindowInput::is_down(int key) const { return glfwGetKey(window_.handle(), key) == GLFW_PRESS; }
 
 void WindowInput::advance(double seconds, ViewerSwitches& switches) {
     mouse(switches);
@@ -59,11 +57,11 @@ void WindowInput::mouse(ViewerSwitches& switches) {
     if (!io.WantCaptureMouse && io.MouseWheel != 0)
         control_.zoom_at(size.width, size.height, cursor.x, cursor.y, static_cast<double>(io.MouseWheel));
 
-    if (dragging_ >= 0 && glfwGetMouseButton(window_.handle(), dragging_) != GLFW_PRESS) dragging_ = -1;
+    if (dragging_ >= 0 && !events_.is_button_down(dragging_)) dragging_ = -1;
     for (const int button : {GLFW_MOUSE_BUTTON_LEFT, GLFW_MOUSE_BUTTON_RIGHT, GLFW_MOUSE_BUTTON_MIDDLE}) {
         if (dragging_ >= 0 || io.WantCaptureMouse) break;
         if (button == GLFW_MOUSE_BUTTON_LEFT && no_left_button_) continue;
-        if (glfwGetMouseButton(window_.handle(), button) == GLFW_PRESS) {
+        if (events_.is_button_down(button)) {
             dragging_ = button;
             drags_split_ = button == GLFW_MOUSE_BUTTON_LEFT && is_on_split(switches, cursor);
             return;

@@ -3,6 +3,7 @@
 #include "client/render/glfw_window.h"
 #include "client/view/camera_control.h"
 #include "client/view/viewer_state.h"
+#include "client/view/window_events.h"
 
 namespace tessera {
 
@@ -18,8 +19,8 @@ struct WindowRequests {
 /// Mouse and keyboard of a window -> camera and switches. What the panels take (ImGui) does not come here.
 class WindowInput {
   public:
-    /// `window` and `control` outlive this. `home`: where the Home key leads.
-    WindowInput(GlfwWindow& window, CameraControl& control, const Camera& home);
+    /// All but `home` outlive this. `home`: where the Home key leads.
+    WindowInput(GlfwWindow& window, const WindowEvents& events, CameraControl& control, const Camera& home);
 
     /// Whether hands steer the camera now.
     bool is_steering() const { return dragging_ >= 0 || is_steering_; }
@@ -48,10 +49,11 @@ class WindowInput {
     bool is_on_split(const ViewerSwitches& switches, const Pixels& cursor) const;
     void keys(ViewerSwitches& switches);
     CameraControl::Steering steering() const;
-    bool is_down(int key) const;
+    bool is_down(int key) const { return events_.is_down(key); }
     void toggle_full_screen();
 
     GlfwWindow& window_;
+    const WindowEvents& events_;
     CameraControl& control_;
     Camera home_;
     WindowRequests requests_;

@@ -17,7 +17,8 @@ struct Caller {
     std::string_view token;      ///< As the client said it; empty: none.
 };
 
-/// Who may edit: whoever is on this machine, and from elsewhere whoever holds a token of the role editor.
+/// Who may edit: whoever is on this machine and says no token, and from anywhere whoever holds one of the
+/// role editor. A token that is said counts, here as elsewhere: a wrong one is refused, and not passed over.
 /// Immutable; shared between threads.
 class Access {
   public:

@@ -1,5 +1,6 @@
 #include "server/access/commands.h"
 
+#include <chrono>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -21,8 +22,16 @@ struct Arguments {
 
 Result<void> run(const Arguments& arguments) {
     if (auto named = check_holder_name(arguments.name); !named) return named;
-    if (!arguments.expires.empty())
-        if (const auto day = expiry_from(arguments.expires); !day) return day.error();
+    if (!arguments.expires.empty()) {
+        const auto day = expiry_from(arguments.expires);
+        if (!day) return day.error();
+        // In seconds: nanoseconds end in the year 2262
+        const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+        if (*day + std::chrono::days{1} <= now)
+            return Error{ErrorCode::invalid_input,
+                         "--expires " + arguments.expires +
+                             ": is over; name the last day on which the token is to be good"};
+    }
     const std::string token = make_token();
     const std::string line = token_line(arguments.role, arguments.name, token, arguments.expires);
     if (arguments.file.empty()) {

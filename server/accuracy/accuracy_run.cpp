@@ -133,8 +133,9 @@ Result<void> compare_pages(const AccuracyOptions& options, const fs::path& works
         return {};
     };
     step(0);
-    const MeasuredTexture photograph = photograph_texture(), checker = checker_texture(),
+    const MeasuredTexture photograph = photograph_texture(progress.stop()), checker = checker_texture(),
                           text = text_texture();
+    if (auto done = stopped(); !done) return done;
     for (const MeasuredTexture* texture : {&photograph, &checker, &text})
         compare_light(texture->name, *texture->image, rows);
     step(1);
@@ -150,7 +151,7 @@ Result<void> compare_pages(const AccuracyOptions& options, const fs::path& works
     PrepareOptions small;
     small.tile_side = 64;
     small.threads = options.threads;
-    const auto asset = prepare_exchange(paint_pebbles(256, 3), small, nullptr, preparing);
+    const auto asset = prepare_exchange(paint_pebbles(256, 3, progress.stop()), small, nullptr, preparing);
     if (!asset) return asset.error();
     step(4);
     if (auto done = compare_statistics(asset->asset, progress.stop(), rows); !done) return done;

@@ -39,7 +39,7 @@ std::shared_ptr<const LinearImage> linear_of(const StraightRgba8Image& image) {
 Result<MeasuredTexture> content_exchange_texture(Progress& progress) {
     PrepareOptions options;
     options.tile_side = 256;
-    auto prepared = prepare_exchange(paint_pebbles(512, 1), options, nullptr, progress);
+    auto prepared = prepare_exchange(paint_pebbles(512, 1, progress.stop()), options, nullptr, progress);
     if (!prepared) return prepared.error();
     return MeasuredTexture{"content-exchange", "Pebbles by content exchange, endless", nullptr,
                            make_exchange_texture(prepared->asset, {.seed = 1}), nullptr};
@@ -53,8 +53,8 @@ const std::vector<std::string_view>& built_in_texture_names() {
     return names;
 }
 
-MeasuredTexture photograph_texture() {
-    return {"photograph", "A photograph (painted pebbles)", linear_of(paint_pebbles(1024, 1)), nullptr,
+MeasuredTexture photograph_texture(const std::stop_token& stop) {
+    return {"photograph", "A photograph (painted pebbles)", linear_of(paint_pebbles(1024, 1, stop)), nullptr,
             nullptr};
 }
 
@@ -71,7 +71,7 @@ Result<MeasuredTexture> built_in_texture(std::string_view name, const fs::path& 
                                          Progress& progress) {
     if (name == "checker") return checker_texture();
     if (name == "text") return text_texture();
-    if (name == "photograph") return photograph_texture();
+    if (name == "photograph") return photograph_texture(progress.stop());
     if (name == "content-exchange") return content_exchange_texture(progress);
     auto patterns = painted_scene("tiles", workshop);
     if (patterns) {

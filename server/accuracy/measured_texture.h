@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,8 +33,8 @@ const std::vector<std::string_view>& built_in_texture_names();
 MeasuredTexture checker_texture();
 /// Lines of small letters, dark on light, on 1024² texels: strokes two texels wide.
 MeasuredTexture text_texture();
-/// Painted pebbles on 1024² texels.
-MeasuredTexture photograph_texture();
+/// Painted pebbles on 1024² texels, as many of them as were painted before `stop`.
+MeasuredTexture photograph_texture(const std::stop_token& stop);
 /// One colour.
 MeasuredTexture constant_texture();
 

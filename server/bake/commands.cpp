@@ -72,8 +72,19 @@ Error beyond_limit(const Arguments& arguments, double bound_codes) {
                                           arguments.max_error};
 }
 
-std::int32_t parameter_of(const Scene& scene, const Arguments& arguments) {
-    return scene.same_parameter(static_cast<std::int32_t>(arguments.parameter * parameter_one));
+/// Sets what of slice, step and parameter the scene has. Error: one was asked for that it has not.
+Result<void> place(const Scene& scene, const Arguments& arguments, TexelRegion& region) {
+    const auto refuse = [](const char* what) { return Error{ErrorCode::invalid_input, what}; };
+    if (arguments.slice != 0 && scene.slices == 1)
+        return refuse("--slice: the scene is flat, it has no slices; leave it out");
+    if (arguments.step != 0 && !scene.animated)
+        return refuse("--step: nothing moves in the scene; leave it out");
+    if (arguments.parameter != 0 && scene.parameters.empty())
+        return refuse("--parameter: nothing in the scene looks at it; leave it out");
+    region.slice = scene.same_slice(arguments.slice);
+    region.step = scene.same_step(arguments.step);
+    region.parameter = scene.same_parameter(static_cast<std::int32_t>(arguments.parameter * parameter_one));
+    return {};
 }
 
 std::string validity_text(const Validity& valid) {
@@ -107,9 +118,7 @@ Result<void> run_page(const Arguments& arguments) {
     const auto texture = texture_of(**scene, arguments.channels);
     if (!texture) return texture.error();
     TexelRegion region = region_of(page, arguments.gutter);
-    region.slice = (*scene)->same_slice(arguments.slice);
-    region.step = (*scene)->same_step(arguments.step);
-    region.parameter = parameter_of(**scene, arguments);
+    if (auto placed = place(**scene, arguments, region); !placed) return placed;
     Rgba8Image texels;
     const auto evaluated = evaluate_within(**texture, region, *limit,
                                            Budget{.accuracy = *accuracy_named(arguments.accuracy)}, texels);
@@ -159,9 +168,7 @@ Result<void> run_bake(const Arguments& arguments) {
     if (!limit) return limit.error();
     const auto scene = load_scene(arguments.scene);
     if (!scene) return scene.error();
-    region->slice = (*scene)->same_slice(arguments.slice);
-    region->step = (*scene)->same_step(arguments.step);
-    region->parameter = parameter_of(**scene, arguments);
+    if (auto placed = place(**scene, arguments, *region); !placed) return placed;
     const auto texture = texture_of(**scene, arguments.channels);
     if (!texture) return texture.error();
     const Interrupt interrupt;

@@ -16,6 +16,15 @@ constexpr std::size_t max_settings = 65;
 /// Whether nothing can narrow it any more.
 bool is_one_step(const Validity& validity) noexcept { return validity.until - 1 == validity.from; }
 
+bool is_endless(const Cycle& cycle) noexcept { return cycle.rest >= endless_rest; }
+
+/// Whether the cycle shows its first frame in all of these steps; no, if that takes long to tell.
+bool rests_through(const TimeLine& line, const Cycle& cycle, const Validity& steps) noexcept {
+    if (is_endless(cycle)) return true;
+    const auto [at, before] = place_at(line, cycle, steps.from);
+    return at <= before && add_steps(steps.from, before + 1 - at) >= steps.until;
+}
+
 }  // namespace
 
 Cycle AnimationOp::cycle_of(const AnimationSetting& setting, const std::int32_t* const* in,
@@ -44,8 +53,19 @@ AnimationOp::Settled AnimationOp::settled_at(Step step) const noexcept {
     return settled;
 }
 
+AnimationOp::Followed AnimationOp::followed_at(Step step) const noexcept {
+    const Settled settled = settled_at(step);
+    if (settled.setting < 0) {
+        const std::size_t change = change_at(changes_, step);
+        return {change - 1, change, settled.holds};
+    }
+    const auto setting = static_cast<std::size_t>(settled.setting);
+    return {setting, setting, settled.holds};
+}
+
 void AnimationOp::run(const Stretch& stretch, const std::int32_t* const* in, std::int32_t* out) const {
     if (stretch.probe != nullptr) return answer(*stretch.probe, stretch, in, out);
+    if (stretch.scattered != nullptr) return scatter(stretch, in, out);
     const Settled settled = settled_at(stretch.step);
     if (settled.setting < 0) return pass(stretch, in, out);
     const AnimationSetting& setting = settings_[static_cast<std::size_t>(settled.setting)];
@@ -72,49 +92,105 @@ void AnimationOp::run(const Stretch& stretch, const std::int32_t* const* in, std
     if (stretch.validity == nullptr || line.frames() == 1) return;
     Validity validity;
     if (since < endless_rest) validity = {add_steps(stretch.step, -since), add_steps(stretch.step, left)};
-    // What lasts until after a change is worked out cell by cell
-    if (changes_.empty() || (validity.from > settled.holds.from && validity.until < settled.holds.until))
-        stretch.validity->meet(validity);
+    // What lasts until after a change is worked out cell by cell, if anyone asks how long
+    const Validity& asked = *stretch.validity;
+    const bool settled_throughout = settled.holds.from <= asked.from && asked.until <= settled.holds.until;
+    validity.meet(asked);
+    if (settled_throughout || (validity.from > settled.holds.from && validity.until < settled.holds.until))
+        *stretch.validity = validity;
     else if (!is_one_step(*stretch.validity))
         pass(stretch, in, out);
+}
+
+/// At any step, of a cell that knows of all settings; right as far as it lies `within`, which holds then.
+Shown AnimationOp::shown_within(const std::int32_t* const* in, std::int32_t i, Step step,
+                                const Validity& within) const noexcept {
+    // Two settings decide the frame; where it changes next and changed last, nearly always two more
+    const std::size_t change = change_at(changes_, step), first = change_at(changes_, within.from),
+                      end = change_at(changes_, within.until - 1) + 1;
+    const std::size_t from = first < 1 ? 0 : first - 1;
+    const std::size_t near_from = std::max(from, change < 2 ? 0 : change - 2),
+                      near_end = std::min(change + 3, end);
+    const std::span<const Step> changes{changes_};
+    const auto shown = [&](std::size_t begin, std::size_t stop, std::span<Cycle> cycles) {
+        // Nearly always a cell rests, whatever the setting
+        const Validity around{begin + 1 < stop ? std::min(within.from, changes[begin]) : within.from,
+                              within.until};
+        bool rests = true;
+        for (std::size_t setting = begin; setting < stop; ++setting) {
+            cycles[setting - begin] = cycle_of(settings_[setting], in, i);
+            rests = rests && rests_through(frames_->line, cycles[setting - begin], around);
+        }
+        if (rests) return Shown{};
+        const std::span<const Cycle> some = cycles.first(stop - begin);
+        if (is_one_step(within))
+            return Shown{frame_at(frames_->line, some, changes.subspan(begin, stop - begin - 1), step),
+                         within};
+        return shown_at(frames_->line, some, changes.subspan(begin, stop - begin - 1), step);
+    };
+    std::array<Cycle, 5> near;
+    const Shown is = shown(near_from, near_end, near);
+    // What lasts into settings further off
+    if ((near_from > from &&
+         is.validity.from <= add_steps(changes_[near_from - 1], steps_between_changes(frames_->line))) ||
+        (near_end < end && is.validity.until > changes_[near_end - 1])) {
+        std::array<Cycle, max_settings> all;
+        return shown(from, end, all);
+    }
+    return is;
+}
+
+/// The same, where it is known what cells follow at `step`: nearly always that lasts for as long as is asked.
+Shown AnimationOp::shown_within(const std::int32_t* const* in, std::int32_t i, Step step,
+                                const Validity& within, const Followed& followed) const noexcept {
+    const auto& [first, last, holds] = followed;
+    if (holds.from > within.from || holds.until < within.until) return shown_within(in, i, step, within);
+    const TimeLine& line = frames_->line;
+    const Cycle now = cycle_of(settings_[last], in, i);
+    if (first == last) {
+        if (rests_through(line, now, within)) return {};
+        return shown_at(line, now, step);
+    }
+    const std::array cycles{cycle_of(settings_[first], in, i), now};
+    const Validity around{std::min(within.from, changes_[first]), within.until};
+    if (rests_through(line, cycles[0], around) && rests_through(line, cycles[1], around)) return {};
+    if (is_one_step(within)) return {frame_at(line, cycles[0], cycles[1], changes_[first], step), within};
+    return shown_at(line, cycles, std::span{changes_}.subspan(first, 1), step);
 }
 
 /// Any step, of cells that know of all settings.
 void AnimationOp::pass(const Stretch& stretch, const std::int32_t* const* in, std::int32_t* out) const {
     std::array<Cycle, max_settings> cycles;
-    const auto endless = [](const Cycle& cycle) { return cycle.rest >= endless_rest; };
-    // Two settings decide the frame; where it changes next and changed last, nearly always two more
     const std::size_t change = change_at(changes_, stretch.step);
     const std::size_t from = change < 1 ? 0 : change - 1;
-    const std::size_t near_from = change < 2 ? 0 : change - 2,
-                      near_end = std::min(change + 3, settings_.size());
     const std::span<const Step> changes{changes_};
-    const auto shown = [&](std::size_t first, std::size_t end, std::int32_t i) {
-        for (std::size_t setting = first; setting < end; ++setting)
-            cycles[setting] = cycle_of(settings_[setting], in, i);
-        const std::span<const Cycle> some = std::span{cycles}.subspan(first, end - first);
-        if (std::all_of(some.begin(), some.end(), endless)) return Shown{};
-        return shown_at(frames_->line, some, changes.subspan(first, end - first - 1), stretch.step);
-    };
+    const Followed followed = followed_at(stretch.step);
     for (std::int32_t i = 0; i < stretch.count; ++i) {
         if (stretch.validity == nullptr || is_one_step(*stretch.validity)) {
             for (std::size_t setting = from; setting <= change; ++setting)
                 cycles[setting] = cycle_of(settings_[setting], in, i);
             const std::span<const Cycle> both = std::span{cycles}.subspan(from, change - from + 1);
             const std::int32_t frame =
-                std::all_of(both.begin(), both.end(), endless)
+                std::all_of(both.begin(), both.end(), is_endless)
                     ? 0
                     : frame_at(frames_->line, both, changes.subspan(from, change - from), stretch.step);
             out[i] = frames_->patterns[static_cast<std::size_t>(frame)];
             continue;
         }
-        Shown is = shown(near_from, near_end, i);
-        // What lasts into settings further off
-        if ((near_from > 0 &&
-             is.validity.from <= add_steps(changes_[near_from - 1], steps_between_changes(frames_->line))) ||
-            (near_end < settings_.size() && is.validity.until > changes_[near_end - 1]))
-            is = shown(0, settings_.size(), i);
+        const Shown is = shown_within(in, i, stretch.step, *stretch.validity, followed);
         stretch.validity->meet(is.validity);
+        out[i] = frames_->patterns[static_cast<std::size_t>(is.frame)];
+    }
+}
+
+/// Each cell at its own step.
+void AnimationOp::scatter(const Stretch& stretch, const std::int32_t* const* in, std::int32_t* out) const {
+    Followed followed{0, 0, {0, 0}};
+    for (std::int32_t i = 0; i < stretch.count; ++i) {
+        const CellAt& cell = stretch.scattered[i];
+        if (!followed.holds.holds(cell.step)) followed = followed_at(cell.step);
+        const Shown is = shown_within(in, i, cell.step, cell.within, followed);
+        if (frames_->line.frames() > 1) stretch.frames[i].meet(is.validity);
         out[i] = frames_->patterns[static_cast<std::size_t>(is.frame)];
     }
 }

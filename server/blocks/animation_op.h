@@ -51,12 +51,23 @@ class AnimationOp final : public CellOp {
         Validity holds{};
     };
     Settled settled_at(Step step) const noexcept;
+    /// The settings, from the first to the last, that any cell follows at `step`, and in which steps so.
+    struct Followed {
+        std::size_t first = 0, last = 0;
+        Validity holds{};
+    };
+    Followed followed_at(Step step) const noexcept;
 
   private:
     Cycle cycle_of(const AnimationSetting& setting, const std::int32_t* const* in,
                    std::int32_t i) const noexcept;
     void answer(const AnimationProbe& probe, const Stretch& stretch, const std::int32_t* const* in,
                 std::int32_t* out) const;
+    Shown shown_within(const std::int32_t* const* in, std::int32_t i, Step step,
+                       const Validity& within) const noexcept;
+    Shown shown_within(const std::int32_t* const* in, std::int32_t i, Step step, const Validity& within,
+                       const Followed& followed) const noexcept;
+    void scatter(const Stretch& stretch, const std::int32_t* const* in, std::int32_t* out) const;
     void pass(const Stretch& stretch, const std::int32_t* const* in, std::int32_t* out) const;
 
     std::shared_ptr<const FrameLine> frames_;

@@ -14,6 +14,11 @@ class MapOp final : public CellOp {
 
     void run(const Stretch& stretch, const std::int32_t* const*, std::int32_t* out) const override {
         const int log2 = map_->cells_log2;
+        if (const CellAt* at = stretch.scattered) {
+            for (std::int32_t i = 0; i < stretch.count; ++i, ++at)
+                out[i] = map_->entry((at->x - map_->x) >> log2, (at->y - map_->y) >> log2);
+            return;
+        }
         const std::int64_t column = stretch.x - map_->x, row = (stretch.y - map_->y) >> log2;
         if (log2 == 0) return read_entries(*map_, column, row, stretch.count, out);
         // One entry a run of cells

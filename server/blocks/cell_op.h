@@ -20,7 +20,14 @@ struct AnimationProbe {
     Cycle* cycles = nullptr;
 };
 
-/// Cells of one row that are worked on at a time.
+/// A cell where it stands, asked for at a step of its own.
+struct CellAt {
+    std::int64_t x = 0, y = 0;
+    Step step = 0;
+    Validity within{};  ///< Holds at the step: beyond it nobody asks how long its frame is shown.
+};
+
+/// Cells of one row that are worked on at a time, or some that lie here and there.
 struct Stretch {
     std::int64_t x = 0;
     std::int64_t y = 0;
@@ -33,6 +40,9 @@ struct Stretch {
     std::int32_t parameter = 0;             ///< As TexelRegion's.
     const TargetDistances* targets = nullptr;
     int cell_log2 = 0;  ///< Of the grid: a cell's side in texels.
+    /// `count` cells, instead of x, y, step and validity: only for ops that say they take them.
+    const CellAt* scattered = nullptr;
+    Validity* frames = nullptr;  ///< Of each of those; narrowed, and right as far as it lies within.
 };
 
 /// One small function of the graph, over a stretch of cells: integers, or numbers in steps of 2^-16. Called
@@ -46,6 +56,8 @@ class CellOp {
 
     /// `in`: a row of integers for each input; where an input is read at corners, four rows in its place.
     virtual void run(const Stretch& stretch, const std::int32_t* const* in, std::int32_t* out) const = 0;
+    /// Whether it takes scattered cells: what does not ask where a cell is does.
+    virtual bool scatters() const noexcept { return true; }
     virtual std::size_t memory_bytes() const noexcept { return 0; }
 };
 

@@ -20,9 +20,11 @@ struct CellRow {
     std::int64_t z = 0;      ///< The layer of cells, where a grid has a third dimension.
     std::int64_t step = 0;   ///< The animation clock.
     const std::uint16_t* types =
-        nullptr;                   ///< Of these cells in the grid's quadtree; needed if needs_types().
-    Validity* validity = nullptr;  ///< Narrowed, if given, to the steps in which no cell's frame changes.
-    std::int32_t parameter = 0;    ///< As TexelRegion's.
+        nullptr;  ///< Of these cells in the grid's quadtree; needed if needs_types().
+    /// Narrowed, if given, to the steps in which no cell's frame changes; where cells scroll, of cells as
+    /// they stand: see through_shifts().
+    Validity* validity = nullptr;
+    std::int32_t parameter = 0;  ///< As TexelRegion's.
     const TargetDistances* targets = nullptr;
 };
 
@@ -35,6 +37,23 @@ struct Look {
     std::uint8_t scale = 0;  ///< Steps of TransformPlan.
     bool operator==(const Look&) const = default;
 };
+
+class SeenCells;
+
+/// Places of cells in a rectangle, at a step.
+struct CellBlock {
+    std::int64_t x = 0, y = 0;  ///< |x|, |y| < 2^40.
+    std::int32_t width = 0, height = 0;
+    std::int64_t z = 0;
+    Step step = 0;
+    std::int32_t parameter = 0;  ///< As CellRow's.
+    const TargetDistances* targets = nullptr;
+};
+
+/// Whether nobody can tell them apart: where nothing is shown, it does not matter how.
+inline bool shows_same(const Look& a, const Look& b) noexcept {
+    return a == b || (a.pattern < 0 && b.pattern < 0);
+}
 
 /// What a look's probability is, wherever it lies in its cell.
 struct LookShare {
@@ -112,12 +131,18 @@ class CellProgram {
     virtual bool moves() const noexcept { return false; }
     virtual bool clocked() const noexcept { return false; }           ///< With the step alone.
     virtual bool looks_at_targets() const noexcept { return false; }  ///< With the targets near a cell.
-    /// Where cells scroll: patterns() and looks() are of cells so far to the right of those that are asked
-    /// for.
-    virtual Scroll::Place scrolled(Step step) const noexcept {
-        static_cast<void>(step);
-        return {};
+    /// How places scroll over cells: patterns() and looks() are of cells so far to the right of those that
+    /// are asked for.
+    virtual Scroll scroll() const noexcept { return {}; }
+    /// Of cells that scroll: the steps around `block.step` in which no place of the block shows another
+    /// frame. `frames`: what patterns() or looks() narrowed for all of the block; `seen`: what they showed.
+    virtual Validity through_shifts(const CellBlock& block, const SeenCells& seen,
+                                    const Validity& frames) const {
+        static_cast<void>(block), static_cast<void>(seen);
+        return frames;
     }
+    /// The same of what they are expected to show: of the entries of varying()'s map that they lie in.
+    virtual Validity through_map(const CellBlock& block) const { return scroll().at(block.step).validity; }
     /// The steps around `step` whose shares are the same, or, if that leaves no more than `most_uneven` of
     /// them elsewhere, are the same on average. No target is near.
     virtual Epoch epoch(Step step, std::int32_t parameter, double most_uneven) const {

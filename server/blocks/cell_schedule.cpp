@@ -91,6 +91,7 @@ CellSchedule::CellSchedule(const std::vector<CellNode>& nodes, std::span<const s
         }
         Step entry;
         entry.op = nodes[node].op;
+        scatters_ &= !nodes[node].corners && entry.op->scatters();
         entry.dy = here.dy;
         entry.further = here.further;
         entry.row = row_of[step];

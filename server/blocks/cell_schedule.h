@@ -35,6 +35,8 @@ class CellSchedule {
     /// as the last run left it, and that was of this schedule and of the same cells one row above, so that
     /// what was read below that row is known.
     void run(const Stretch& stretch, std::int32_t* space, bool follows = false) const;
+    /// Whether stretches may be of scattered cells: nothing looks at cells beside.
+    bool scatters() const noexcept { return scatters_; }
     const std::int32_t* root(std::size_t i, const std::int32_t* space) const noexcept {
         return space + roots_[i] * row_stride;
     }
@@ -65,6 +67,7 @@ class CellSchedule {
     std::vector<std::size_t> roots_;  ///< Rows
     std::vector<Leaf> leaves_;
     std::size_t rows_ = 0;
+    bool scatters_ = true;
 };
 
 }  // namespace tessera

@@ -48,6 +48,7 @@ class JitterOp final : public DitherOp {
     JitterOp(std::shared_ptr<const StoredMap> map, Sampling sampling, std::uint64_t base)
         : DitherOp{std::move(map), sampling, base}, kernels_{block_kernels()} {}
 
+    bool scatters() const noexcept override { return false; }
     void run(const Stretch& stretch, const std::int32_t* const*, std::int32_t* out) const override {
         constexpr std::int64_t mask = (std::int64_t{1} << row_log2) - 1;
         for (std::int32_t done = 0; done < stretch.count;) {
@@ -110,6 +111,7 @@ class NestedDitherOp final : public DitherOp {
   public:
     using DitherOp::DitherOp;
 
+    bool scatters() const noexcept override { return false; }
     void run(const Stretch& stretch, const std::int32_t* const*, std::int32_t* out) const override {
         // Weights are of side² in all: no digit behind log2 can matter
         const int log2 = map_->cells_log2;

@@ -17,6 +17,7 @@ class DrivenOp final : public CellOp {
     DrivenOp(std::shared_ptr<const FrameLine> frames, std::optional<std::size_t> law)
         : frames_{std::move(frames)}, law_{law} {}
 
+    bool scatters() const noexcept override { return false; }
     void run(const Stretch& stretch, const std::int32_t* const* in, std::int32_t* out) const override;
 
     bool looks_at_targets() const noexcept { return law_.has_value(); }

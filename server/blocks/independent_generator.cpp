@@ -15,6 +15,19 @@ class IndependentOp final : public CellOp {
 
     void run(const Stretch& stretch, const std::int32_t* const*, std::int32_t* out) const override {
         constexpr std::int64_t mask = (std::int64_t{1} << row_log2) - 1;
+        if (const CellAt* at = stretch.scattered) {
+            // Most follow each other in a row
+            RowKey key;
+            std::int64_t part = 0, row = 0;
+            for (std::int32_t i = 0; i < stretch.count; ++i, ++at) {
+                if (i == 0 || row != at->y || part != at->x >> row_log2) {
+                    row = at->y, part = at->x >> row_log2;
+                    key = row_key(base_, at->x, row, stretch.z);
+                }
+                kernels_.draw(key, static_cast<std::uint32_t>(at->x & mask), 1, count_, out + i);
+            }
+            return;
+        }
         for (std::int32_t done = 0; done < stretch.count;) {
             const std::int64_t x = stretch.x + done;
             const auto run = static_cast<std::int32_t>(

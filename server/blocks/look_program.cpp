@@ -8,6 +8,8 @@
 
 #include "server/blocks/kernels.h"
 #include "server/blocks/look_shares.h"
+#include "server/blocks/running_cells.h"
+#include "server/blocks/seen_cells.h"
 
 namespace tessera {
 
@@ -51,17 +53,18 @@ class LookProgram final : public CellProgram {
                 const std::array<std::size_t, 5>& roots, const LookSteps& steps, std::uint32_t types,
                 int cell_log2, const Scroll& scroll)
         : cell_log2_{cell_log2},
-          scroll_{scroll},
           shares_{nodes, roots[0], roots[3], roots[4], steps},
           steps_{steps},
           patterns_{*nodes, std::span{roots}.first(1), CellSchedule::Rows::stretches},
           looks_{*nodes, roots, CellSchedule::Rows::stretches},
           kernels_{block_kernels()} {
         const Classified found = classify(*nodes, roots);
+        // Cells that are all alike show nothing of it
+        if (found.other || found.drawn || found.typed || found.targets) scroll_ = scroll;
         needs_types_ = found.typed;
         period_ = found.period;
-        moves_ = found.steps || scroll.cells != 0;
-        clocked_ = found.clocked || scroll.cells != 0;
+        moves_ = found.steps || scroll_.cells != 0;
+        clocked_ = found.clocked || scroll_.cells != 0;
         looks_at_targets_ = found.targets;
         basis_ = shares_.basis();
         if (basis_ == Basis::constant || basis_ == Basis::typed) {
@@ -73,6 +76,18 @@ class LookProgram final : public CellProgram {
             if (moves_) basis_ = Basis::stationary;
         }
         if (basis_ == Basis::constant || basis_ == Basis::typed) tabulate(basis_ == Basis::typed ? types : 1);
+        if (scroll_.cells != 0) {
+            // Places in a cell are no part of what is listed
+            const CellNode &x = (*nodes)[roots[1]], &y = (*nodes)[roots[2]];
+            const bool placed = x.constant() && y.constant();
+            const Look place{.x = place_of(x.least), .y = place_of(y.least)};
+            running_.emplace(
+                scroll_, placed && !found.driven ? shares_.varying() : std::nullopt, found.animation,
+                [this, place](std::int32_t value, std::size_t first, std::size_t last) {
+                    return looks_in(value, first, last, place);
+                },
+                !found.steps && !found.drawn);
+        }
     }
 
     void patterns(const CellRow& row, std::int32_t* out) const override {
@@ -109,7 +124,23 @@ class LookProgram final : public CellProgram {
     bool moves() const noexcept override { return moves_; }
     bool clocked() const noexcept override { return clocked_; }
     bool looks_at_targets() const noexcept override { return looks_at_targets_; }
-    Scroll::Place scrolled(Step step) const noexcept override { return scroll_.at(step); }
+    Scroll scroll() const noexcept override { return scroll_; }
+    Validity through_shifts(const CellBlock& block, const SeenCells& seen,
+                            const Validity& frames) const override {
+        if (!running_) return frames;
+        const bool only_patterns = seen.only_patterns();
+        return running_->through_shifts(
+            block, seen, frames,
+            [&](std::span<const CellAt> cells, std::span<Look> looks, std::span<Validity> validities) {
+                if ((only_patterns ? patterns_ : looks_).scatters())
+                    ask_scattered(block, cells, only_patterns, looks, validities);
+                else
+                    ask_each(block, cells, only_patterns, looks, validities);
+            });
+    }
+    Validity through_map(const CellBlock& block) const override {
+        return running_ ? running_->through_map(block) : Validity{};
+    }
     Epoch epoch(Step step, std::int32_t parameter, double most_uneven) const override {
         return shares_.epoch(step, parameter, most_uneven);
     }
@@ -130,14 +161,16 @@ class LookProgram final : public CellProgram {
     }
     std::vector<std::int32_t> nested_patterns() const override { return shares_.nested_patterns(); }
     std::size_t memory_bytes() const noexcept override {
-        return looks_.memory_bytes() + pattern_of_type_.size() * sizeof(std::int32_t) +
-               look_of_type_.size() * sizeof(Look);
+        return looks_.memory_bytes() + (running_ ? running_->memory_bytes() : 0) +
+               pattern_of_type_.size() * sizeof(std::int32_t) + look_of_type_.size() * sizeof(Look);
     }
 
   private:
     struct Classified {
         bool typed = false, drawn = false, other = false, steps = false, clocked = false, targets = false;
         std::int64_t period = 1;  ///< 0: none that is known.
+        bool driven = false;
+        const AnimationOp* animation = nullptr;
 
         void add_period(std::int64_t cells) noexcept {
             period = period == 0 || cells == 0 ? 0 : std::max(period, cells);
@@ -166,6 +199,8 @@ class LookProgram final : public CellProgram {
             for (const std::size_t input : nodes[node].inputs) needed[input] = true;
             found.steps |= nodes[node].steps;
             found.clocked |= nodes[node].animation != nullptr;
+            found.driven |= nodes[node].driven != nullptr;
+            if (nodes[node].animation) found.animation = nodes[node].animation.get();
             found.targets |= nodes[node].driven && nodes[node].driven->looks_at_targets();
             found.other |= nodes[node].map.has_value();
             if (nodes[node].steps) found.period = 0;
@@ -180,9 +215,7 @@ class LookProgram final : public CellProgram {
     }
 
     Stretch stretch_of(const CellRow& row, std::int32_t done) const noexcept {
-        const Scroll::Place place = scroll_.at(row.step);
-        if (row.validity != nullptr) row.validity->meet(place.validity);
-        return {.x = row.x + place.shift + done,
+        return {.x = row.x + scroll_.at(row.step).shift + done,
                 .y = row.y,
                 .z = row.z,
                 .step = row.step,
@@ -194,6 +227,63 @@ class LookProgram final : public CellProgram {
                 .cell_log2 = cell_log2_};
     }
 
+    /// All that cells in entries of a value may show under these settings.
+    std::vector<Look> looks_in(std::int32_t value, std::size_t first, std::size_t last,
+                               const Look& place) const {
+        std::vector<Look> looks;
+        for (std::size_t setting = first; setting <= last; ++setting)
+            for (const LookShare& share : shares_.shares(std::span{&value, 1}, {.setting = setting}))
+                if (share.share > 0)
+                    looks.push_back({share.pattern, place.x, place.y, share.turn, share.scale});
+        return looks;
+    }
+    void ask_scattered(const CellBlock& block, std::span<const CellAt> cells, bool only_patterns,
+                       std::span<Look> looks, std::span<Validity> frames) const {
+        ThreadRows& rows = ThreadRows::of_this_thread();
+        const CellSchedule& schedule = only_patterns ? patterns_ : looks_;
+        std::fill(frames.begin(), frames.end(), Validity{});
+        for (std::size_t done = 0; done < cells.size(); done += stretch_cells) {
+            const Stretch stretch{
+                .z = block.z,
+                .count = static_cast<std::int32_t>(std::min<std::size_t>(cells.size() - done, stretch_cells)),
+                .parameter = block.parameter,
+                .targets = block.targets,
+                .cell_log2 = cell_log2_,
+                .scattered = cells.data() + done,
+                .frames = frames.data() + done};
+            const std::int32_t* space = rows.run(schedule, 0, stretch);
+            if (!only_patterns) {
+                pack(space, stretch.count, looks.data() + done);
+                continue;
+            }
+            const std::int32_t* pattern = schedule.root(0, space);
+            for (std::size_t i = 0; i < static_cast<std::size_t>(stretch.count); ++i)
+                looks[done + i] = {.pattern = pattern[i]};
+        }
+    }
+    void ask_each(const CellBlock& block, std::span<const CellAt> cells, bool only_patterns,
+                  std::span<Look> looks, std::span<Validity> frames) const {
+        for (std::size_t i = 0; i < cells.size(); ++i) {
+            frames[i] = {};
+            const CellRow row{.x = cells[i].x - scroll_.at(cells[i].step).shift,
+                              .y = cells[i].y,
+                              .count = 1,
+                              .z = block.z,
+                              .step = cells[i].step,
+                              .validity = &frames[i],
+                              .parameter = block.parameter,
+                              .targets = block.targets};
+            looks[i] = {};
+            if (only_patterns)
+                patterns(row, &looks[i].pattern);
+            else
+                this->looks(row, &looks[i]);
+        }
+    }
+    static std::uint16_t place_of(std::int32_t number) noexcept {
+        return static_cast<std::uint16_t>(std::min(number, number_one - 1));
+    }
+
     bool tabulated() const noexcept { return !pattern_of_type_.empty(); }
 
     void pack(const std::int32_t* space, std::int32_t count, Look* out) const noexcept {
@@ -201,8 +291,7 @@ class LookProgram final : public CellProgram {
                            *y = looks_.root(2, space), *turn = looks_.root(3, space),
                            *scale = looks_.root(4, space);
         for (std::int32_t i = 0; i < count; ++i)
-            out[i] = {pattern[i], static_cast<std::uint16_t>(std::min(x[i], number_one - 1)),
-                      static_cast<std::uint16_t>(std::min(y[i], number_one - 1)), steps_.turn(turn[i]),
+            out[i] = {pattern[i], place_of(x[i]), place_of(y[i]), steps_.turn(turn[i]),
                       steps_.scale(scale[i])};
     }
 
@@ -232,6 +321,7 @@ class LookProgram final : public CellProgram {
     std::int64_t period_ = 0;
     std::vector<std::int32_t> pattern_of_type_;
     std::vector<Look> look_of_type_;
+    std::optional<RunningCells> running_;  ///< Where cells scroll.
 };
 
 }  // namespace

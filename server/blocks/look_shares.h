@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "server/blocks/cell_program.h"
-#include "server/blocks/cell_schedule.h"
 #include "server/blocks/compilation.h"
+#include "server/blocks/look_group.h"
 
 namespace tessera {
 
@@ -32,65 +32,24 @@ class LookShares {
     /// As CellProgram::nested_patterns().
     std::vector<std::int32_t> nested_patterns() const;
 
-    static constexpr std::uint64_t max_states = std::uint64_t{1} << 20;
-
   private:
-    /// Draws of one stream at one corner; or the frames that something else than the clock drives, each as a
-    /// state. State s draws ⌊places[s]·count⌋, exactly: see draw_at.
-    struct Variable {
-        CellDraw draw;  ///< One of those.
-        int dx = 0, dy = 0;
-        const DrivenOp* driven = nullptr;
-        bool typed() const noexcept { return draw.generator == proto::Draw::typed; }
-        bool same(const CellDraw& other, int x, int y) const noexcept;
-        std::vector<std::pair<std::uint32_t, std::uint32_t>>
-            starts;  ///< Fractions k/n at which states begin.
-        std::vector<double> weights;
-        std::vector<std::size_t> leaves;  ///< Of the group's schedule.
-        bool only_phases = false;         ///< Nothing but the phases of the animation depends on it.
-        std::uint64_t states() const noexcept { return weights.size(); }
-    };
-    /// Some of pattern, turn and scale that draw together.
-    struct Group {
-        std::array<int, 3> parts{};  ///< 0 pattern, 1 turn, 2 scale
-        int part_count = 0;
-        CellSchedule schedule;
-        std::vector<Variable> variables;
-        std::vector<std::size_t> map_leaves;
-        std::uint64_t states = 1;
-        bool moves = false;
-    };
-    /// Which draws of a group are enumerated, and at which step or under which setting.
-    struct Enumeration {
-        bool phases = true, others = true;
-        Step step = 0;
-        Validity* validity = nullptr;
-        bool by_setting = false;
-        std::size_t setting = 0;
-        std::int32_t frame = 0;
-        bool all_driven = false;     ///< All frames that are driven, …
-        std::int32_t parameter = 0;  ///< … or that of this parameter, far from targets.
-        bool counts(const Variable& variable) const noexcept {
-            if (variable.driven != nullptr) return all_driven;
-            return variable.only_phases ? phases : others;
-        }
-    };
     struct Outcome {
-        std::array<std::int32_t, 3> values;
+        LookGroup::Values values;
         double share;
     };
-    Group make_group(std::span<const int> parts) const;
-    static std::uint64_t states_of(const Group& group, const Enumeration& what) noexcept;
-    /// Runs the group for each joint state of its draws: `visit(values, weight, cycle)`, the first variable's
-    /// states fastest. Draws that are not enumerated are as their first state.
-    template <class Visit>
-    void for_states(const Group& group, std::span<const std::int32_t> states, const Enumeration& what,
-                    const Visit& visit) const;
-    std::vector<Outcome> enumerate(const Group& group, std::span<const std::int32_t> states,
+    /// What the leaves of all groups say of how much is known.
+    struct Known {
+        bool typed = false, drawn = false;  ///< Some draws are typed, some are not.
+        bool other = false;                 ///< Nothing is sure.
+    };
+    void join_groups();
+    Known look_at_leaves();
+    bool too_many_to_count() const;
+    bool find_animation();
+    double uneven_at(const LookGroup& group, std::size_t setting) const;
+    std::vector<Outcome> enumerate(const LookGroup& group, std::span<const std::int32_t> states,
                                    const Epoch* epoch) const;
     std::vector<LookShare> shares(std::span<const std::int32_t> states, const Epoch* epoch) const;
-    bool find_animation();
-    double uneven_at(const Group& group, std::size_t setting) const;
     /// The animated group's, for each state that the map can have.
     template <class Visit>
     void for_map_states(const Visit& visit) const;
@@ -98,7 +57,7 @@ class LookShares {
     std::array<std::size_t, 3> roots_;
     LookSteps steps_;
     std::shared_ptr<const std::vector<CellNode>> nodes_;
-    std::vector<Group> groups_;
+    std::vector<LookGroup> groups_;
     CellProgram::Basis basis_ = CellProgram::Basis::constant;
     bool independent_ = true;
     const CellNode* map_ = nullptr;

@@ -20,6 +20,7 @@ class NestedOp final : public CellOp {
           // Of 2^n alternatives the first bits say which
           digits_{std::has_single_bit(count) ? std::max(1, (std::countr_zero(count) + 1) / 2) : 16} {}
 
+    bool scatters() const noexcept override { return false; }
     void run(const Stretch& stretch, const std::int32_t* const*, std::int32_t* out) const override {
         std::uint32_t thresholds[stretch_cells + max_reach];
         NestedThresholds{base_, stretch.z}.row(stretch.x, stretch.y, stretch.count, thresholds, digits_);

@@ -15,16 +15,32 @@ struct Scroll {
         std::int64_t shift = 0;  ///< A cell shows what the cell so far to its right is, …
         Validity validity{};     ///< … in these steps.
     };
-    constexpr Place at(Step step) const noexcept {
-        if (cells == 0) return {};
-        constexpr std::uint64_t again = std::uint64_t{1} << 36;
+    /// Cells come to where they were after so many: |cells| at once, shifts are this often the same.
+    static constexpr std::uint64_t again = std::uint64_t{1} << 36;
+
+    /// How often they ran on since step 0: the shift's number.
+    constexpr std::int64_t shift_at(Step step) const noexcept {
         const auto every = static_cast<std::int64_t>(steps);
-        const std::int64_t times = step / every - (step % every < 0 ? 1 : 0);
+        return step / every - (step % every < 0 ? 1 : 0);
+    }
+    /// How far cells ran at shift `number`, at least 0.
+    constexpr std::int64_t shifted(std::int64_t number) const noexcept {
         // A power of two divides 2^64, so that it may overflow
         const std::uint64_t moved =
-            static_cast<std::uint64_t>(times) * static_cast<std::uint64_t>(std::int64_t{cells});
-        const Step from = times * every;
-        return {static_cast<std::int64_t>(moved % again), {from, add_steps(from, every)}};
+            static_cast<std::uint64_t>(number) * static_cast<std::uint64_t>(std::int64_t{cells});
+        return static_cast<std::int64_t>(moved % again);
+    }
+    /// The first step of shift `number`; `always` or `never` for those that no step has.
+    constexpr Step begin_of(std::int64_t number) const noexcept {
+        std::int64_t step = 0;
+        if (__builtin_mul_overflow(number, static_cast<std::int64_t>(steps), &step))
+            return number < 0 ? always : never;
+        return step;
+    }
+    constexpr Place at(Step step) const noexcept {
+        if (cells == 0) return {};
+        const std::int64_t number = shift_at(step);
+        return {shifted(number), {begin_of(number), begin_of(number + 1)}};
     }
 };
 

@@ -14,6 +14,7 @@ class SigmaOp final : public CellOp {
   public:
     SigmaOp(std::uint64_t seed, const CellDraw& draw) : series_{seed, draw.key, draw.count} {}
 
+    bool scatters() const noexcept override { return false; }
     void run(const Stretch& stretch, const std::int32_t* const*, std::int32_t* out) const override {
         for (std::int32_t i = 0; i < stretch.count; ++i)
             out[i] = series_.at(stretch.x + i, stretch.y, stretch.z);

@@ -15,6 +15,7 @@ class TypeTableOp final : public CellOp {
     explicit TypeTableOp(std::vector<std::int32_t> table)
         : table_{std::move(table)}, kernels_{block_kernels()} {}
 
+    bool scatters() const noexcept override { return false; }
     void run(const Stretch& stretch, const std::int32_t* const*, std::int32_t* out) const override {
         kernels_.look_up_types(table_.data(), stretch.types, stretch.count, out);
     }

@@ -70,23 +70,36 @@ std::string marked(double value, const Quality& quality, std::string_view gate, 
 }
 
 void print_head() {
-    std::printf("%-20s %-16s %7s  %6s %6s  %6s %6s  %7s %7s  %6s %6s  %5s %5s  %6s %6s %6s\n", "photograph",
-                "method", "prepare", "seams", "p99", "blend", "p99", "repeats", "else", "tile", "max", "L",
-                "steps", "cut", "p99", "MiB");
+    std::printf(
+        "%-20s %-16s %7s  %6s %6s  %5s  %6s %6s %5s %6s  %6s %6s  %7s %7s  %6s %6s  %5s %5s  %6s %6s %6s\n",
+        "photograph", "method", "prepare", "seams", "p99", "place", "excess", "p99", "new", "quiet", "blend",
+        "p99", "repeats", "else", "tile", "max", "L", "steps", "cut", "p99", "MiB");
 }
 
 void print_row(const std::string& photo, const JudgedAsset& judged) {
     const Quality& quality = judged.quality;
+    const Seams& seams = quality.seams;
     const auto& fine = quality.repetition.levels.front();
+    const auto known = [](bool is, const char* pattern, double value) {
+        std::array<char, 32> text{};
+        std::snprintf(text.data(), text.size(), pattern, value);
+        return std::string{is ? text.data() : "-"};
+    };
+    const bool natural = seams.natural_steps > 0;
     std::printf(
-        "%-20.20s %-16s %6.1fs  %6s %6s  %6s %6s  %7s %6.1f%%  %5.1f%% %5.1f%%  %5.2f %5.2f  %6.2f %6.2f "
+        "%-20.20s %-16s %6.1fs  %6s %6s  %5s  %6s %6s %5s %6s  %6s %6s  %7s %6.1f%%  %5.1f%% %5.1f%%  %5.2f "
+        "%5.2f  %6.2f %6.2f "
         "%6.1f\n",
         photo.c_str(), std::string{method_name(judged.asset.method)}.c_str(), judged.prepare_seconds,
-        marked(quality.seams.hard_ratio.mean, quality, "seams, mean", "%.2f").c_str(),
-        marked(quality.seams.hard_ratio.percentile_99, quality, "seams, 99th percentile", "%.2f").c_str(),
-        marked(quality.seams.blended_ratio.mean, quality, "seams blended, mean", "%.2f").c_str(),
-        marked(quality.seams.blended_ratio.percentile_99, quality, "seams blended, 99th percentile", "%.2f")
-            .c_str(),
+        marked(seams.hard_ratio.mean, quality, "seams, mean", "%.2f").c_str(),
+        marked(seams.hard_ratio.percentile_99, quality, "seams, 99th percentile", "%.2f").c_str(),
+        known(natural, "%.2f", seams.natural_ratio.mean).c_str(),
+        known(natural, "%.2f", seams.excess.mean).c_str(),
+        known(natural, "%.2f", seams.excess.percentile_99).c_str(),
+        known(natural, "%.0f%%", seams.new_edges * 100).c_str(),
+        known(seams.quiet_steps > 0, "%.2f", seams.quiet_ratio.mean).c_str(),
+        marked(seams.blended_ratio.mean, quality, "seams blended, mean", "%.2f").c_str(),
+        marked(seams.blended_ratio.percentile_99, quality, "seams blended, 99th percentile", "%.2f").c_str(),
         marked(fine.greatest.value, quality, "repetition", "%.1f%%", 100).c_str(), fine.elsewhere * 100,
         quality.share.tile.mean * 100, quality.share.tile.greatest * 100, quality.fidelity.texture.lightness,
         quality.fidelity.texture.steps, judged.own_seams.ratio.mean, judged.own_seams.ratio.percentile_99,
@@ -112,7 +125,8 @@ Result<void> write_sheet(const Arguments& arguments, const std::string& name,
     return done;
 }
 
-Result<void> compare_photo(const std::string& photo_name, const Arguments& arguments,
+/// `turn`: which of all it is, for the progress bar.
+Result<void> compare_photo(const std::string& photo_name, const std::string& turn, const Arguments& arguments,
                            const Interrupt& interrupt) {
     const std::string name = photo_name.empty() ? "pebbles" : fs::path{photo_name}.stem().string();
     const auto photo = photo_of(photo_name, arguments);
@@ -122,8 +136,8 @@ Result<void> compare_photo(const std::string& photo_name, const Arguments& argum
         PrepareOptions options = arguments.options;
         options.method = method;
         auto judged = [&] {
-            TerminalProgress progress{"tessera " + std::string{arguments.command} + ": " + name + ", " +
-                                          std::string{method_name(method)},
+            TerminalProgress progress{"tessera " + std::string{arguments.command} + ": " + turn + name +
+                                          ", " + std::string{method_name(method)},
                                       judge_shares(method), arguments.quiet, interrupt.token()};
             return judge(*photo, options, progress);
         }();
@@ -152,9 +166,11 @@ int run(const Arguments& arguments) {
     print_head();
     // One bad photograph does not stop the others
     int exit_code = 0;
-    for (const std::string& photo : photos) {
+    for (std::size_t i = 0; i < photos.size(); ++i) {
         if (interrupt.token().stop_requested()) return fail("stopped");
-        if (const auto done = compare_photo(photo, arguments, interrupt); !done)
+        const std::string turn =
+            photos.size() == 1 ? "" : std::to_string(i + 1) + " of " + std::to_string(photos.size()) + ": ";
+        if (const auto done = compare_photo(photos[i], turn, arguments, interrupt); !done)
             exit_code = fail(done.error().detail);
     }
     return exit_code;
@@ -166,7 +182,8 @@ void add_common(CLI::App& command, Arguments& arguments) {
     std::vector<std::string> names;
     for (const ExchangeMethod method : all_methods) names.emplace_back(method_name(method));
     command.add_option("--method", arguments.methods, "Only this method; may be repeated")
-        ->check(CLI::IsMember(names));
+        ->check(CLI::IsMember(names))
+        ->allow_extra_args(false);  // so that photographs may follow
     command.add_option("--tile", arguments.options.tile_side, "Side of the tile in texels, a power of two")
         ->default_str("the method's own, by the photograph's size");
     command.add_option("--seed", arguments.options.seed, "Another seed, other patches")

@@ -5,6 +5,7 @@
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 #include <google/protobuf/unknown_field_set.h>
+#include <google/protobuf/util/message_differencer.h>
 
 namespace tessera {
 
@@ -43,6 +44,9 @@ Result<void> move(const proto::SpriteMove& message, const SpritePatterns& patter
     const auto sprite = sprite_of(becomes, patterns);
     if (!sprite) return sprite.error();
     if (auto moved = book.replace(*sprite); !moved) return moved;
+    // Back where it was taken up: an edit as any other, but no page looks different
+    if (write_sprite(*sprite, becomes); google::protobuf::util::MessageDifferencer::Equals(was, becomes))
+        return {};
     dirty.push_back(box_of(*old));
     dirty.push_back(box_of(*sprite));
     return {};
@@ -120,7 +124,7 @@ Result<std::string> canonical_edit(const proto::Edit& edit) {
     return bytes;
 }
 
-Result<void> check_places(const proto::Edit& edit, Extent extent) {
+Result<void> check_moves(const proto::Edit& edit, Extent extent) {
     // Half the diagonal of the largest sprite, 1024 texels at scale 4, rounded up
     constexpr double reach = 3072;
     const auto side = static_cast<double>(extent.side_texels());
@@ -129,6 +133,11 @@ Result<void> check_places(const proto::Edit& edit, Extent extent) {
         const proto::Change& change = edit.changes(i);
         const proto::SpritePlacement& placed = change.place_sprite();
         const proto::SpriteMove& moved = change.move_sprite();
+        if (change.has_move_sprite() && !moved.has_x() && !moved.has_y() && !moved.has_scale() &&
+            !moved.has_turn() && !moved.has_order() && !moved.has_pattern())
+            return error_of_change(
+                i, change,
+                Error{ErrorCode::invalid_input, "sets nothing; give it x, y, scale, turn, order or pattern"});
         const char* field = is_far(placed.x()) || is_far(moved.x())   ? "x"
                             : is_far(placed.y()) || is_far(moved.y()) ? "y"
                                                                       : nullptr;

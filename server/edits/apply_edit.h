@@ -28,7 +28,7 @@ Result<std::string> canonical_edit(const proto::Edit& edit);
 
 /// Sprites are put where they can be seen: inside the extent, or so close that one may reach into it. Asked
 /// of edits that come, not of those that the journal has. Error: invalid_input, as apply_edit()'s.
-Result<void> check_places(const proto::Edit& edit, Extent extent);
+Result<void> check_moves(const proto::Edit& edit, Extent extent);
 
 /// Makes all changes of sprites of an edit, or none, and leaves out the others. The same edit on the same
 /// book gives the same book, on every machine. Error: invalid_input; the message names the change and what is

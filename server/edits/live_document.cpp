@@ -150,7 +150,7 @@ double thread_seconds() {
 }  // namespace
 
 Result<DocumentEdit> apply_to_document(const proto::Edit& edit, const EditInstant& instant,
-                                       LiveDocument& document, Planning planning) {
+                                       LiveDocument& document, Planning planning, double planning_seconds) {
     DocumentEdit done;
     LiveDocument next = document;
     int plans = 0;
@@ -159,7 +159,7 @@ Result<DocumentEdit> apply_to_document(const proto::Edit& edit, const EditInstan
         const proto::Change& change = edit.changes(i);
         if (change.has_paint_map() && !next.maps_known &&
             (++plans > max_plans_of_edit ||
-             (planning == Planning::in_time && thread_seconds() - begin > most_planning_seconds)))
+             (planning == Planning::in_time && thread_seconds() - begin > planning_seconds)))
             return error_of_change(i, change,
                                    {ErrorCode::invalid_input,
                                     "block: the edit plans the scene for the " + std::to_string(plans) +

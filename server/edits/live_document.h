@@ -72,7 +72,8 @@ inline constexpr double most_planning_seconds = 1;
 /// same document gives the same document. Error: invalid_input; the message names the change and what is
 /// wrong.
 Result<DocumentEdit> apply_to_document(const proto::Edit& edit, const EditInstant& instant,
-                                       LiveDocument& document, Planning planning = Planning::now);
+                                       LiveDocument& document, Planning planning = Planning::now,
+                                       double planning_seconds = most_planning_seconds);
 
 /// Whether it changes anything but sprites.
 bool changes_document(const proto::Edit& edit);

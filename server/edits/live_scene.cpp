@@ -148,10 +148,13 @@ void LiveScene::edit(proto::Edit edit, Handler handler) {
     };
     const auto id = edit_id_from(edit.id());
     if (!id) return refuse(EditRefusal::Why::wrong, "id: is no UUID; draw one for each edit", 0);
+    if (*id == EditId{})
+        return refuse(EditRefusal::Why::wrong,
+                      "id: is the nil UUID, which nobody drew; draw one for each edit", 0);
     auto canonical = canonical_edit(edit);
     if (!canonical) return refuse(EditRefusal::Why::wrong, canonical.error().detail, 0);
-    if (const auto places = check_places(edit, now()->extent); !places)
-        return refuse(EditRefusal::Why::wrong, places.error().detail, 0);
+    if (const auto moves = check_moves(edit, now()->extent); !moves)
+        return refuse(EditRefusal::Why::wrong, moves.error().detail, 0);
 
     std::unique_lock lock{mutex_};
     if (closing_ || waiting_.size() + unprepared_.size() >= max_waiting) {

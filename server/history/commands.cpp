@@ -117,7 +117,7 @@ Result<void> run_undo(const Arguments& arguments) {
     if (!places) return places.error();
     const Interrupt interrupt;
     TerminalProgress progress{"tessera log",
-                              {{"check the journal", 0.5}, {"replaying edits", 0.5}},
+                              {{"checking the journal", 0.5}, {"replaying edits", 0.5}},
                               arguments.quiet,
                               interrupt.token()};
     const auto scene = load_scene(places->scene);
@@ -134,7 +134,9 @@ Result<void> run_undo(const Arguments& arguments) {
     } else {
         std::error_code failure;
         if (!std::filesystem::exists(places->journal / "journal.db", failure))
-            return Error{ErrorCode::io_failure, places->journal.string() + ": holds no journal of edits"};
+            return Error{ErrorCode::io_failure,
+                         places->journal.string() +
+                             ": holds no journal of edits: the scene was never served, or takes none"};
         JournalOptions options;
         options.scene = places->id;
         auto journal = open_journal(places->journal, options, progress);
@@ -164,7 +166,7 @@ Result<void> run_export(const Arguments& arguments) {
     if (!places) return places.error();
     const Interrupt interrupt;
     TerminalProgress progress{"tessera export",
-                              {{"check the journal", 0.3},
+                              {{"checking the journal", 0.3},
                                {"replaying edits", 0.2},
                                {"copying assets", 0.2},
                                {"writing the scene file", 0.1},

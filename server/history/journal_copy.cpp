@@ -74,9 +74,10 @@ bool is_whole(Journal& journal) {
 Result<JournalCopy> JournalCopy::take(const fs::path& folder, const std::string& scene, Progress& progress) {
     std::error_code failure;
     if (!fs::is_regular_file(folder / "journal.db", failure))
-        return Error{ErrorCode::io_failure, folder.string() +
-                                                ": holds no journal of edits; --edits names the folder that "
-                                                "tessera serve keeps them in"};
+        return Error{ErrorCode::io_failure,
+                     folder.string() +
+                         ": holds no journal of edits: the scene was never served, takes "
+                         "none, or its edits are in the folder that --edits names"};
     std::string place = (fs::temp_directory_path(failure) / "tessera-journal-XXXXXX").string();
     if (failure || ::mkdtemp(place.data()) == nullptr)
         return Error{ErrorCode::io_failure, place + ": cannot be made; TMPDIR names another place"};

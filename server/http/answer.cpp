@@ -75,7 +75,8 @@ Answer refusal_answer(const Refusal& refusal) {
     if (refusal.status == 401) fields += "WWW-Authenticate: Bearer realm=\"tessera\"\r\n";
     if (refusal.status == 405) fields += "Allow: GET, HEAD, OPTIONS\r\n";
     if (refusal.status == 426) fields += "Upgrade: websocket\r\nSec-WebSocket-Version: 13\r\n";
-    if (refusal.status == 503) fields += "Retry-After: 1\r\n";
+    // Browsers heed no Retry-After: a page that somebody opened while scenes are loaded comes by itself
+    if (refusal.status == 503) fields += "Retry-After: 1\r\nRefresh: 1\r\n";
     Answer answer = text_answer(refusal.status, "text/plain; charset=utf-8", refusal.why + "\n", fields);
     answer.close = refusal.close;
     return answer;

@@ -5,18 +5,22 @@
 #include <exception>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string_view>
 #include <thread>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include "server/http/load_site.h"
 #include "server/http/server.h"
 #include "server/http/server_options.h"
 #include "server/http/told_by_signals.h"
+#include "server/progress/terminal_progress.h"
 
 namespace tessera {
 namespace {
@@ -75,6 +79,27 @@ void reload(Server& server, const ServerOptions& options, const std::stop_token&
     }
 }
 
+/// Loads what is served first, and says how far it is: on a terminal by a line that is drawn again and again,
+/// elsewhere by a line for each scene that takes long.
+Result<LoadedSite> load_first_site(const ServerOptions& options, const std::stop_token& stop) {
+    constexpr std::chrono::seconds long_time{3};
+    if (isatty(STDERR_FILENO) == 0)
+        return load_site(options, stop, [&](const LoadedScene& scene) {
+            if (scene.time >= long_time)
+                spdlog::info("loaded {} in {:.1f} s, {} of {} scenes", scene.id, scene.time.count(),
+                             scene.loaded, scene.of);
+        });
+    std::optional<TerminalProgress> progress;
+    progress.emplace("tessera serve", std::vector{TerminalProgress::Share{"loading the scenes", 1.0}}, false,
+                     stop);
+    progress->advance("loading the scenes", 0);
+    return load_site(options, stop, [&](const LoadedScene& scene) {
+        progress->advance("loading the scenes",
+                          static_cast<double>(scene.loaded) / static_cast<double>(scene.of));
+        if (scene.loaded == scene.of) progress.reset();  // before anything else is said
+    });
+}
+
 Result<void> serve(ServeArguments& arguments) {
     ServerOptions& options = arguments.options;
     if (const auto read = read_listen(arguments.listen, options); !read) return read.error();
@@ -99,7 +124,7 @@ Result<void> serve(ServeArguments& arguments) {
                                  spdlog::info("stopping");
                                  (*server)->stop();
                              }};
-    const auto site = load_site(options, stop.get_token());
+    const auto site = load_first_site(options, stop.get_token());
     if (stop.stop_requested()) return {};
     if (!site) return site.error();
     (*server)->publish(with_edits(**server, *site->catalog), site->web, site->access);

@@ -1,11 +1,37 @@
 #include "server/http/descriptions.h"
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
 #include "proto/page.pb.h"
 
 #include "shared/page/page_format.h"
 #include "shared/wire/json.h"
 
 namespace tessera {
+namespace {
+
+proto::OpeningView message_of(const OpeningView& view) {
+    proto::OpeningView message;
+    message.set_x(view.x);
+    message.set_y(view.y);
+    message.set_level(view.level);
+    return message;
+}
+
+/// The view's middle on the square world of web maps (EPSG:3857), and the zoom whose texels are nearest to
+/// its level.
+void set_center(const OpeningView& view, Extent extent, proto::TileJson& tiles) {
+    constexpr double pi = std::numbers::pi;
+    const auto side = static_cast<double>(extent.side_texels());
+    const double level = std::clamp(std::round(view.level), 0.0, static_cast<double>(extent.n));
+    tiles.add_center(static_cast<double>(view.x) / side * 360 - 180);
+    tiles.add_center(std::atan(std::sinh(pi * (1 - 2 * static_cast<double>(view.y) / side))) * 180 / pi);
+    tiles.add_center(extent.n - level);
+}
+
+}  // namespace
 
 std::string describe_scenes(const Catalog& catalog) {
     proto::SceneList list;
@@ -17,6 +43,7 @@ std::string describe_scenes(const Catalog& catalog) {
         summary.set_tilejson("/scenes/" + id);
         summary.set_texture(std::string{scene->texture->kind()});
         summary.set_extent_log2_pages(scene->extent.n);
+        if (scene->view) *summary.mutable_view() = message_of(*scene->view);
     }
     for (const Catalog::Problem& problem : catalog.broken) {
         proto::BrokenScene& broken = *list.add_broken();
@@ -38,6 +65,8 @@ std::string describe_tiles(const Scene& scene, std::string_view origin) {
     tiles.set_maxzoom(scene.extent.n);
     for (const double degrees : {-180.0, -85.05112877980659, 180.0, 85.05112877980659})
         tiles.add_bounds(degrees);
+    const std::int64_t middle = scene.extent.side_texels() / 2;
+    set_center(scene.view.value_or(OpeningView{middle, middle}), scene.extent, tiles);
 
     proto::TextureInfo& info = *tiles.mutable_tessera();
     info.set_id(scene.id);
@@ -54,6 +83,7 @@ std::string describe_tiles(const Scene& scene, std::string_view origin) {
     for (const Channels& channels : scene.channels) info.add_channels(std::string{name_of(channels.set)});
     info.set_slices(static_cast<std::uint32_t>(scene.slices));
     info.set_stream("/scenes/" + scene.id + "/stream");
+    if (scene.view) *info.mutable_view() = message_of(*scene.view);
     info.set_animated(scene.animated);
     if (scene.animated) {
         info.set_steps_per_second(scene.steps_per_second);

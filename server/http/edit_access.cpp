@@ -35,13 +35,26 @@ std::string_view bearer_token(const RequestHead& request) {
     return trimmed(credentials.substr(scheme.size()));
 }
 
-std::variant<Access::Decision, Refusal> may_edit(const RequestHead& request, const Access& access) {
+namespace {
+
+std::variant<Access::Decision, Refusal> may_edit(const RequestHead& request, std::string_view token,
+                                                 const Access& access) {
     if (is_foreign(request)) return Refusal{403, "Origin: pages of another site may not edit here", false};
-    Access::Decision decision = access.may_edit({request.from_loopback, bearer_token(request)});
+    Access::Decision decision = access.may_edit({request.from_loopback, token});
     if (!decision.allowed) return Refusal{decision.other_role ? 403u : 401u, decision.why, false};
     if (decision.name.empty() && !request[http::field::origin].empty() && !is_of_this_machine(request.host))
         return Refusal{403, "Host: a page edits without a token only as http://localhost", false};
     return decision;
+}
+
+}  // namespace
+
+std::variant<Access::Decision, Refusal> may_edit(const RequestHead& request, const Access& access) {
+    return may_edit(request, bearer_token(request), access);
+}
+
+bool may_edit_without_token(const RequestHead& request) {
+    return std::holds_alternative<Access::Decision>(may_edit(request, {}, Access{}));
 }
 
 }  // namespace tessera

@@ -16,5 +16,7 @@ std::string_view bearer_token(const RequestHead& request);
 
 /// Whether a request may edit, by POST or over a stream that it opens; else the answer that it gets.
 std::variant<Access::Decision, Refusal> may_edit(const RequestHead& request, const Access& access);
+/// The same, as if it said no token.
+bool may_edit_without_token(const RequestHead& request);
 
 }  // namespace tessera

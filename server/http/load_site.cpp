@@ -34,15 +34,15 @@ Result<std::shared_ptr<const Access>> read_access(const ServerOptions& options) 
 }
 
 /// Scenes that can be served. A folder of which nothing can be served is an error.
-Result<std::shared_ptr<const Catalog>> read_scenes(const ServerOptions& options,
-                                                   const std::stop_token& stop) {
+Result<std::shared_ptr<const Catalog>> read_scenes(const ServerOptions& options, const std::stop_token& stop,
+                                                   const std::function<void(const LoadedScene&)>& tell) {
     // Messages name files by the folder's canonical path, and are found by it
     std::error_code failure;
     fs::path folder = fs::canonical(options.scenes, failure);
     if (failure)
         return Error{ErrorCode::io_failure, "--scenes " + options.scenes.string() + ": " + failure.message() +
                                                 "; name a folder of prepared scenes"};
-    auto catalog = load_catalog(folder, stop);
+    auto catalog = load_catalog(folder, stop, tell);
     if (!catalog) return Error{catalog.error().code, "--scenes " + catalog.error().detail};
     for (Catalog::Problem& problem : catalog->broken) {
         problem.message = without_folder(std::move(problem.message), folder);
@@ -82,14 +82,15 @@ std::string without_folder(std::string message, const fs::path& folder, const st
     return message;
 }
 
-Result<LoadedSite> load_site(const ServerOptions& options, const std::stop_token& stop) {
+Result<LoadedSite> load_site(const ServerOptions& options, const std::stop_token& stop,
+                             const std::function<void(const LoadedScene&)>& tell) {
     // Input never throws on purpose, but memory may run out, and a server goes on with what it has
     try {
         auto access = read_access(options);
         if (!access) return access.error();
         auto web = read_web(options);
         if (!web) return web.error();
-        auto catalog = read_scenes(options, stop);
+        auto catalog = read_scenes(options, stop, tell);
         if (!catalog) return catalog.error();
         return LoadedSite{std::move(*catalog), std::move(*web), std::move(*access)};
     } catch (const std::bad_alloc&) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <stop_token>
 #include <string>
@@ -19,10 +20,12 @@ struct LoadedSite {
     std::shared_ptr<const Access> access;
 };
 
-/// Reads the tokens, the web page and the scenes, and logs what it found. Looks at `stop` between scenes.
+/// Reads the tokens, the web page and the scenes, and logs what it found. Looks at `stop` between scenes;
+/// `tell` hears of each, as of load_catalog().
 /// Never throws. Errors: invalid_input, io_failure, which also stands for a lack of memory, cancelled; the
 /// message names the option.
-Result<LoadedSite> load_site(const ServerOptions& options, const std::stop_token& stop);
+Result<LoadedSite> load_site(const ServerOptions& options, const std::stop_token& stop,
+                             const std::function<void(const LoadedScene&)>& tell = {});
 
 /// `message` with the paths below `folder` made relative to it, since /scenes shows messages to everybody.
 /// `folder` is canonical.

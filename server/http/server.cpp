@@ -99,8 +99,9 @@ void Server::stop() {
             std::this_thread::sleep_for(std::chrono::milliseconds{5});
     };
     asio::post(threads_.front()->io, [this] { listener_->close(); });
+    // All are told before one connection closes: who sees one close finds that the others end, too
+    on_every_thread([](SessionContext& context) { context.site.draining = true; });
     on_every_thread([](SessionContext& context) {
-        context.site.draining = true;
         for (Session* session : context.sessions) session->drain();
         context.streams->drain();
     });

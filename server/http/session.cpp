@@ -33,6 +33,9 @@ constexpr std::size_t body_step_bytes = 65536;
 /// An evaluation looks at its deadline about once a row; a session waits a little longer than that.
 constexpr std::chrono::milliseconds deadline_slack{500};
 
+/// After the last answer, of what nobody wanted: up to 64 MiB.
+constexpr int most_lingering_reads = 4096;
+
 /// For the disk, before an edit's fate is said to be unknown.
 constexpr std::chrono::milliseconds edit_patience{30'000};
 
@@ -67,8 +70,7 @@ Session::Session(PageSocket socket, SessionContext& context)
     : socket_{std::move(socket)},
       context_{context},
       place_{context.sessions.insert(context.sessions.end(), this)},
-      connection_{this, [&connections = context.metrics.connections](void*) { connections.Decrement(); }},
-      draining_{context.site.draining} {}
+      connection_{this, [&connections = context.metrics.connections](void*) { connections.Decrement(); }} {}
 
 Session::~Session() { context_.sessions.erase(place_); }
 
@@ -116,7 +118,7 @@ Task<Session::ReadEnd> Session::read_head(std::size_t& head_bytes) {
         }
         if (input_.size() >= limits.head_bytes) co_return ReadEnd::too_long;
         searched = input_.size() > 3 ? input_.size() - 3 : 0;
-        if (draining_ && input_.empty()) co_return ReadEnd::closed;
+        if (context_.site.draining && input_.empty()) co_return ReadEnd::closed;
 
         idle_ = input_.empty();
         if (!begun) set_deadline(idle_ ? limits.idle_time : limits.head_time);
@@ -340,7 +342,7 @@ Task<void> Session::client_leaves() {
 
 /// True if the connection may go on: everything is sent and both sides want more.
 Task<bool> Session::send(const Answer& answer, bool with_body, bool keep_alive) {
-    keep_alive = keep_alive && !answer.close && !draining_;
+    keep_alive = keep_alive && !answer.close && !context_.site.draining;
     const std::size_t body_bytes = with_body ? answer.body.size() : 0;
     context_.metrics.count_answer(answer.status, body_bytes);
 
@@ -385,8 +387,9 @@ Task<void> Session::linger() {
     boost::system::error_code failure;
     socket_.shutdown(asio::socket_base::shutdown_send, failure);
     set_deadline(context_.limits.linger_time);
-    std::array<char, 4096> block;
-    for (int i = 0; i < 64 && !failure && !expired_; ++i)
+    // Whoever sends much at once reads nothing until it is away
+    std::array<char, 16384> block;
+    for (int i = 0; i < most_lingering_reads && !failure && !expired_; ++i)
         std::tie(failure, std::ignore) = co_await socket_.async_read_some(asio::buffer(block), as_tuple);
     socket_.close(failure);
 }
@@ -400,12 +403,10 @@ void Session::check_deadline(Clock::time_point now) {
 }
 
 void Session::drain() {
-    draining_ = true;
     if (idle_) abort();
 }
 
 void Session::abort() {
-    draining_ = true;
     boost::system::error_code ignored;
     socket_.close(ignored);
 }

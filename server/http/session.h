@@ -94,7 +94,6 @@ class Session : public std::enable_shared_from_this<Session> {
     Clock::time_point deadline_ = Clock::time_point::max();
     bool expired_ = false;    ///< The deadline ended the operation that was waiting.
     bool idle_ = false;       ///< Waits for the first byte of a request.
-    bool draining_ = false;   ///< The answer under way is the last.
     bool is_stream_ = false;  ///< The socket is somebody else's now.
 };
 

@@ -41,7 +41,7 @@ Routes::Outcome Routes::stream(const RequestHead& request, const Scene& scene) {
         return refusal_answer({400, "Sec-WebSocket-Protocol: tessera.stream.1", false});
     PendingStream pending{scene.id, false, std::string{bearer_token(request)}};
     // Who is on this machine edits without a token
-    pending.edits_without_token = std::holds_alternative<Access::Decision>(may_edit(request, Access{}));
+    pending.edits_without_token = may_edit_without_token(request);
     return pending;
 }
 

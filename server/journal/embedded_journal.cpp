@@ -15,7 +15,6 @@ constexpr auto idle_period = 1s;           ///< How long age goes unnoticed wher
 constexpr auto retry_period = 100ms;       ///< Between attempts on a disk that refused.
 constexpr Revision replay_edits = 65'536;  ///< More behind the newest snapshot make one due.
 constexpr std::size_t questions_at_once = 64;
-constexpr std::size_t snapshot_queue = 16;
 constexpr std::size_t idle_forgets = 1024;  ///< Edits forgotten in one commit where nobody waits.
 
 Refused closed() { return {RefusalReason::unavailable, "the journal is closed"}; }
@@ -40,7 +39,8 @@ EmbeddedJournal::EmbeddedJournal(std::unique_ptr<JournalStore> edits,
       clock_{std::move(clock)},
       snapshot_revisions_{snapshots->revisions()},
       edits_{std::move(edits)},
-      snapshot_store_{std::move(snapshots)} {
+      keeper_{std::move(snapshots),
+              [this](const std::vector<Revision>& revisions) { note_snapshots(revisions); }} {
     // What lies behind the newest snapshot is not measured anew: its share of all that is there
     due_counted_from_ = snapshot_revisions_.empty() ? 0 : snapshot_revisions_.back();
     const Revision there = edits_->head() - edits_->forgotten();
@@ -50,7 +50,6 @@ EmbeddedJournal::EmbeddedJournal(std::unique_ptr<JournalStore> edits,
             static_cast<std::uint64_t>(double(edits_->bytes()) * double(behind) / double(there));
     publish();
     committer_ = std::jthread{[this] { run(); }};
-    snapshot_keeper_ = std::jthread{[this] { keep_snapshots(); }};
 }
 
 EmbeddedJournal::~EmbeddedJournal() {
@@ -59,8 +58,7 @@ EmbeddedJournal::~EmbeddedJournal() {
         closing_ = true;
     }
     work_arrived_.notify_all();
-    snapshot_work_arrived_.notify_all();
-    snapshot_keeper_.join();
+    keeper_.close();
     committer_.join();
 }
 
@@ -410,62 +408,20 @@ void EmbeddedJournal::publish() {
 }
 
 void EmbeddedJournal::keep_snapshot(Snapshot snapshot, Handler<Result<void>> handler) {
-    // std::function wants to be copied: the snapshot is shared, not copied
-    auto shared = std::make_shared<Snapshot>(std::move(snapshot));
-    std::optional<Error> error;
-    {
-        const std::lock_guard lock{mutex_};
-        const Revision newest = snapshot_revisions_.empty() ? 0 : snapshot_revisions_.back();
-        if (closing_ || snapshot_work_.size() >= snapshot_queue) {
-            error =
-                Error{ErrorCode::overloaded, "another snapshot is being written, or the journal is closed"};
-        } else if (shared->revision > status_.head || shared->revision <= newest) {
-            error = Error{ErrorCode::malformed_request,
-                          "a snapshot of revision " + std::to_string(shared->revision) +
-                              " must be newer than the last one, " + std::to_string(newest) +
-                              ", and not newer than the head, " + std::to_string(status_.head)};
-        } else {
-            snapshot_work_.emplace_back([this, shared, handler] {
-                const Result<void> kept = snapshot_store_->keep(*shared);
-                {
-                    const std::lock_guard again{mutex_};
-                    snapshot_revisions_ = snapshot_store_->revisions();
-                    if (kept) status_.snapshot = snapshot_revisions_.back();
-                }
-                work_arrived_.notify_one();
-                handler(kept);
-            });
-        }
-    }
-    if (error) return handler(*error);
-    snapshot_work_arrived_.notify_one();
+    keeper_.keep(std::move(snapshot), status().head, std::move(handler));
 }
 
 void EmbeddedJournal::newest_snapshot(Revision at_most, Handler<Result<std::optional<Snapshot>>> handler) {
-    {
-        const std::lock_guard lock{mutex_};
-        if (!closing_ && snapshot_work_.size() < snapshot_queue) {
-            snapshot_work_.emplace_back(
-                [this, at_most, handler = std::move(handler)] { handler(snapshot_store_->newest(at_most)); });
-            snapshot_work_arrived_.notify_one();
-            return;
-        }
-    }
-    handler(Error{ErrorCode::overloaded, "too many snapshots are asked for, or the journal is closed"});
+    keeper_.newest(at_most, std::move(handler));
 }
 
-void EmbeddedJournal::keep_snapshots() {
-    for (;;) {
-        std::function<void()> work;
-        {
-            std::unique_lock lock{mutex_};
-            snapshot_work_arrived_.wait(lock, [this] { return !snapshot_work_.empty() || closing_; });
-            if (snapshot_work_.empty()) return;
-            work = std::move(snapshot_work_.front());
-            snapshot_work_.pop_front();
-        }
-        work();
+void EmbeddedJournal::note_snapshots(const std::vector<Revision>& revisions) {
+    {
+        const std::lock_guard lock{mutex_};
+        snapshot_revisions_ = revisions;
+        if (!revisions.empty()) status_.snapshot = revisions.back();
     }
+    work_arrived_.notify_one();
 }
 
 }  // namespace tessera

@@ -7,13 +7,14 @@
 #include <unordered_map>
 
 #include "server/journal/journal_store.h"
+#include "server/journal/snapshot_keeper.h"
 
 namespace tessera {
 
 using JournalClock = std::function<JournalTime()>;
 
 /// A journal inside this process, over a store of edits and one of snapshots. One thread commits: it takes
-/// all that waits, makes it one transaction, and answers everybody (group commit). Another writes snapshots.
+/// all that waits, makes it one transaction, and answers everybody (group commit).
 class EmbeddedJournal final : public Journal {
   public:
     EmbeddedJournal(std::unique_ptr<JournalStore> edits, std::unique_ptr<SnapshotStore> snapshots,
@@ -68,19 +69,17 @@ class EmbeddedJournal final : public Journal {
     Revision forget_target(std::size_t edits, Revision head);
     void publish();
 
-    // The thread that writes snapshots
-    void keep_snapshots();
+    void note_snapshots(const std::vector<Revision>& revisions);
 
     const JournalLimits limits_;
     const JournalHorizon horizon_;
     const JournalClock clock_;
 
     mutable std::mutex mutex_;  ///< Guards what follows; never held while waiting for the disk or a handler.
-    std::condition_variable work_arrived_, snapshot_work_arrived_;
+    std::condition_variable work_arrived_;
     std::deque<Batch> batches_;
     std::deque<Question> questions_;
     std::size_t queued_edits_ = 0, queued_bytes_ = 0;
-    std::deque<std::function<void()>> snapshot_work_;
     std::vector<Revision> snapshot_revisions_;
     bool closing_ = false;
     JournalStatus status_;
@@ -97,9 +96,8 @@ class EmbeddedJournal final : public Journal {
     Revision due_counted_from_ = 0;  ///< bytes_since_snapshot_ counts from this snapshot on.
     std::uint64_t bytes_since_snapshot_ = 0;
 
-    std::unique_ptr<SnapshotStore> snapshot_store_;  ///< Used by the thread that writes snapshots.
-
-    std::jthread committer_, snapshot_keeper_;  ///< Last: they use everything above.
+    SnapshotKeeper keeper_;
+    std::jthread committer_;  ///< Last: it uses everything above.
 };
 
 }  // namespace tessera

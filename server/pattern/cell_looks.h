@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/blocks/plan.h"
+#include "server/pattern/scroll_watch.h"
 
 namespace tessera {
 
@@ -12,10 +13,11 @@ namespace tessera {
 class CellLooks {
   public:
     /// Cells from (x, y) on, in layer `z` of the grid's cells, at the step of `of` and with what drives it.
-    /// `plan` lives longer.
+    /// `plan` and `watch`, which is told of all rows, live longer.
     CellLooks(const ReferencePlan& plan, const TexelRegion& of, std::int64_t z, std::int64_t x,
-              std::int64_t y, std::int32_t width, std::int32_t height)
+              std::int64_t y, std::int32_t width, std::int32_t height, ScrollWatch* watch = nullptr)
         : plan_{plan},
+          watch_{watch},
           step_{of.step},
           parameter_{of.parameter},
           targets_{of.targets},
@@ -35,20 +37,22 @@ class CellLooks {
                         .count = std::min(at_once, width_ - from),
                         .z = z_,
                         .step = step_,
-                        .validity = &validity_,
+                        .validity = watch_ != nullptr ? &watch_->frames() : &validity_,
                         .parameter = parameter_,
                         .targets = targets_};
             if (!types_.types.empty()) row.types = types_.row(y) + (x_ - types_.x) + from;
             plan_.program->looks(row, looks_.data() + from);
         }
+        if (watch_ != nullptr) watch_->see(x_, y, std::span<const Look>{looks_});
         return looks_.data();
     }
 
-    /// The steps in which all rows that were asked for stay the same.
+    /// The steps in which all rows that were asked for stay the same where they stand; with a watch it knows.
     const Validity& validity() const noexcept { return validity_; }
 
   private:
     const ReferencePlan& plan_;
+    ScrollWatch* watch_;
     std::int64_t step_;
     std::int32_t parameter_;
     const TargetDistances* targets_;

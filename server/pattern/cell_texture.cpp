@@ -14,6 +14,7 @@
 #include "server/pattern/pattern_mips.h"
 #include "server/pattern/periodic_sums.h"
 #include "server/pattern/pixel_format.h"
+#include "server/pattern/scroll_watch.h"
 #include "server/pattern/slice_cache.h"
 #include "server/pattern/typed_texture.h"
 #include "shared/math/hash.h"
@@ -224,8 +225,8 @@ class DrawnCells final : public PatternTexture {
     class Patterns {
       public:
         Patterns(const DrawnCells& of, const TexelRegion& at, std::int64_t z, std::int64_t x, std::int64_t y,
-                 std::int32_t width, std::int32_t height)
-            : of_{of}, at_{at}, z_{z}, x_{x}, width_{width}, patterns_(std::size_t(width)) {
+                 std::int32_t width, std::int32_t height, ScrollWatch& watch)
+            : of_{of}, at_{at}, watch_{watch}, z_{z}, x_{x}, width_{width}, patterns_(std::size_t(width)) {
             if (of.program_->needs_types()) types_ = of.grid_.quadtree->types_of(0, x, y, width, height, z);
         }
         const std::int32_t* row(std::int64_t y) {
@@ -236,23 +237,23 @@ class DrawnCells final : public PatternTexture {
                             .count = std::min(at_once, width_ - from),
                             .z = z_,
                             .step = at_.step,
-                            .validity = &validity_,
+                            .validity = &watch_.frames(),
                             .parameter = at_.parameter,
                             .targets = at_.targets};
                 if (!types_.types.empty()) row.types = types_.row(y) + (x_ - types_.x) + from;
                 of_.program_->patterns(row, patterns_.data() + from);
             }
+            watch_.see(x_, y, std::span<const std::int32_t>{patterns_});
             return patterns_.data();
         }
-        const Validity& validity() const noexcept { return validity_; }
 
       private:
         const DrawnCells& of_;
         const TexelRegion& at_;
+        ScrollWatch& watch_;
         std::int64_t z_, x_;
         std::int32_t width_;
         TypeGrid types_;
-        Validity validity_;
         std::vector<std::int32_t> patterns_;
     };
 
@@ -265,7 +266,8 @@ class DrawnCells final : public PatternTexture {
         const auto height = static_cast<std::int32_t>(((region.y + region.height - 1) >> side_log2) - y + 1);
         const auto& all = images_of(region.level, out);
         const std::int32_t first = mips_->first_image(static_cast<std::int32_t>(at.slice));
-        Patterns patterns{*this, region, at.z, x, y, width, height};
+        ScrollWatch watch{*program_, region, at.z, x, y, width, height};
+        Patterns patterns{*this, region, at.z, x, y, width, height, watch};
         CellRowCopy rows{.images = all.row(first << side_log2),
                          .side_log2 = side_log2,
                          .skip = static_cast<std::int32_t>(region.x - (x << side_log2)),
@@ -292,7 +294,7 @@ class DrawnCells final : public PatternTexture {
         return Evaluation{.method = "patterns",
                           .bound_codes = rounding_codes,
                           .work = std::uint64_t(width) * std::uint64_t(height),
-                          .validity = patterns.validity()};
+                          .validity = watch.interval()};
     }
     const LinearImage& images_of(int level, const LinearImage&) const { return mips_->linear(level); }
     const Rgba8Image& images_of(int level, const Rgba8Image&) const { return mips_->codes(level); }
@@ -308,7 +310,8 @@ class DrawnCells final : public PatternTexture {
         // of the next one is then decided once
         const auto at_once = static_cast<std::int32_t>(std::max<std::int64_t>(summed_cells / n, 1));
         std::vector<std::int64_t> sums;  // Four a texel
-        Validity validity;
+        ScrollWatch watch{*program_,        region,           at.z, region.x * n, region.y * n,
+                          region.width * n, region.height * n};
         for (std::int32_t row = 0; row < region.height; ++row) {
             const std::int64_t y = (region.y + row) * n;
             float* texel = out.row(row);
@@ -320,7 +323,8 @@ class DrawnCells final : public PatternTexture {
                                   (region.x + from) * n,
                                   y,
                                   static_cast<std::int32_t>(count * n),
-                                  static_cast<std::int32_t>(n)};
+                                  static_cast<std::int32_t>(n),
+                                  watch};
                 sums.assign(static_cast<std::size_t>(count) * 4, 0);
                 for (std::int64_t cell_y = y; cell_y < y + n; ++cell_y) {
                     if (auto spent = check_budget(budget); !spent) return spent.error();
@@ -328,7 +332,6 @@ class DrawnCells final : public PatternTexture {
                     block_kernels().add_colours(mips_->sum(first).data(), pattern,
                                                 static_cast<std::int32_t>(n), count, sums.data());
                 }
-                validity.meet(patterns.validity());
                 block_kernels().divide(sums.data(), unit, 4 * count, texel);
                 texel += std::ptrdiff_t{4} * count;
             }
@@ -337,7 +340,7 @@ class DrawnCells final : public PatternTexture {
             .method = "cells",
             .bound_codes = rounding_codes,
             .work = std::uint64_t(region.width) * std::uint64_t(region.height) * std::uint64_t(n * n),
-            .validity = validity};
+            .validity = watch.interval()};
     }
 
     std::int32_t pattern_at(std::int64_t x, std::int64_t y, std::int64_t z, const TexelRegion& at,
@@ -394,7 +397,7 @@ class DrawnCells final : public PatternTexture {
                           .confidence = codes < 255 * width_ ? stated_confidence : 1,
                           .work = std::uint64_t(region.width) * std::uint64_t(region.height) *
                                   std::uint64_t(strata * strata),
-                          .validity = validity};
+                          .validity = in_this_shift(*program_, region.step, validity)};
     }
 
     struct Periods {

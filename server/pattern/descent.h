@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/pattern/measured_error.h"
 #include "server/pattern/pattern_texture.h"
 #include "server/texture/texture.h"
 
@@ -22,6 +23,8 @@ class Composite {
     virtual int mended_from() const noexcept { return max_level; }
     /// What a texel costs: layers, instances that may meet.
     virtual int parts() const noexcept = 0;
+    /// How far compositions are off, measured; null where it is not known how things are drawn.
+    virtual const MeasuredError* measured() const noexcept { return nullptr; }
 };
 
 /// A part of a composite: a texture, or a composite itself, which is then composed at the level of the whole,
@@ -49,8 +52,9 @@ class CompositePart {
 /// Evaluates a composite, and where a block's bound is above half a code composes it d levels below and
 /// reduces: estimates of smaller texels are products of less. fast: d = 0; high: up to 2; exact: as deep as a
 /// certain half code needs, at most until a texel has cost 256 parts; not where a corner of
-/// the block shows that the bound would shrink by less than a fifth. Blocks lie on the level's lattice, so
-/// that a texel does not depend on the region that it was asked for in.
+/// the block shows that the bound would shrink by less than a fifth. Where errors are measured, exact goes as
+/// deep as a measured half code needs, or to where least is left, and states the least of both bounds. Blocks
+/// lie on the level's lattice, so that a texel does not depend on the region that it was asked for in.
 Result<Evaluation> evaluate_descending(const Composite& composite, const TexelRegion& region,
                                        const Budget& budget, LinearImage& out);
 

@@ -74,7 +74,8 @@ class DrawnInstances final : public PatternTexture {
         const std::int64_t x = region.x >> side_log2, y = region.y >> side_log2;
         const auto width = static_cast<std::int32_t>(((region.x + region.width - 1) >> side_log2) - x + 1);
         const auto height = static_cast<std::int32_t>(((region.y + region.height - 1) >> side_log2) - y + 1);
-        CellLooks looks{plan_, region, at.z, x, y, width, height};
+        ScrollWatch watch{*plan_.program, region, at.z, x, y, width, height};
+        CellLooks looks{plan_, region, at.z, x, y, width, height, &watch};
         for (std::int64_t cell_y = y; cell_y < y + height; ++cell_y) {
             if (auto spent = check_budget(budget); !spent) return spent.error();
             const Look* look = looks.row(cell_y);
@@ -85,7 +86,7 @@ class DrawnInstances final : public PatternTexture {
         return Evaluation{.method = "instances",
                           .bound_codes = rounding_codes,
                           .work = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height),
-                          .validity = looks.validity()};
+                          .validity = watch.interval()};
     }
 
     void draw_instance(const SummedArea& image, const Look& look, std::int64_t cell_x, std::int64_t cell_y,
@@ -103,7 +104,8 @@ class DrawnInstances final : public PatternTexture {
     Result<Evaluation> sum_cells(const TexelRegion& region, const CellSlice& at, int up, const Budget& budget,
                                  LinearImage& out) const {
         const std::int64_t n = std::int64_t{1} << up;
-        Validity validity;
+        ScrollWatch watch{*plan_.program,   region,           at.z, region.x * n, region.y * n,
+                          region.width * n, region.height * n};
         std::vector<Colour> sums(static_cast<std::size_t>(region.width));
         for (std::int32_t row = 0; row < region.height; ++row) {
             std::fill(sums.begin(), sums.end(), Colour{});
@@ -114,18 +116,20 @@ class DrawnInstances final : public PatternTexture {
                             region.x * n,
                             y,
                             static_cast<std::int32_t>(region.width * n),
-                            static_cast<std::int32_t>(n)};
+                            static_cast<std::int32_t>(n),
+                            &watch};
             for (std::int64_t cell_y = y; cell_y < y + n; ++cell_y) {
                 if (auto spent = check_budget(budget); !spent) return spent.error();
                 const Look* look = looks.row(cell_y);
                 for (Colour& sum : sums)
                     for (std::int64_t i = 0; i < n; ++i) add(*look++, at.slice, sum);
             }
-            validity.meet(looks.validity());
             write(sums, n * n, out.row(row));
         }
-        return Evaluation{
-            .method = "cells", .bound_codes = rounding_codes, .work = cells(region, n), .validity = validity};
+        return Evaluation{.method = "cells",
+                          .bound_codes = rounding_codes,
+                          .work = cells(region, n),
+                          .validity = watch.interval()};
     }
 
     /// Larger texels of cells of which nothing is known: one cell of each of many parts, picked by a hash.
@@ -159,7 +163,7 @@ class DrawnInstances final : public PatternTexture {
                           .bound_codes = std::min(codes, 255 * width_) + rounding_codes,
                           .confidence = codes < 255 * width_ ? stated_confidence : 1,
                           .work = cells(region, n),
-                          .validity = validity};
+                          .validity = in_this_shift(*plan_.program, region.step, validity)};
     }
 
     static std::uint64_t cells(const TexelRegion& region, std::int64_t n) noexcept {

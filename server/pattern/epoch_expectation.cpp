@@ -72,10 +72,18 @@ Result<Evaluation> EpochExpectation::evaluate(const TexelRegion& region, std::in
     const double uneven_codes = 255 * width_;
     const Epoch epoch = program_->epoch(region.step, region.parameter,
                                         uneven_codes > budget_codes ? budget_codes / uneven_codes : 1.0);
-    const Scroll::Place scrolled = program_->scrolled(region.step);
-    auto evaluation = of_epoch(slice, epoch)->is->evaluate(region, up, budget, out, scrolled.shift);
+    auto evaluation = of_epoch(slice, epoch)
+                          ->is->evaluate(region, up, budget, out, program_->scroll().at(region.step).shift);
     if (!evaluation) return evaluation;
-    if (!uniform()) evaluation->validity.meet(scrolled.validity);
+    if (!uniform() && program_->scroll().cells != 0) {
+        const std::int64_t n = std::int64_t{1} << up;
+        evaluation->validity.meet(
+            program_->through_map({.x = region.x * n,
+                                   .y = region.y * n,
+                                   .width = static_cast<std::int32_t>(region.width * n),
+                                   .height = static_cast<std::int32_t>(region.height * n),
+                                   .step = region.step}));
+    }
     evaluation->bound_codes = std::min(evaluation->bound_codes + epoch.uneven * uneven_codes,
                                        std::max(evaluation->bound_codes, uneven_codes));
     evaluation->validity.meet(epoch.validity);

@@ -11,7 +11,8 @@ namespace {
 
 class LayeredTexture final : public Texture, public Composite {
   public:
-    explicit LayeredTexture(std::vector<Layer> layers) {
+    LayeredTexture(std::vector<Layer> layers, const std::optional<DrawLaw>& law) {
+        if (law) measured_.emplace(*this, *law);
         for (Layer& layer : layers) layers_.push_back({CompositePart{std::move(layer.texture)}, layer.range});
     }
 
@@ -37,6 +38,7 @@ class LayeredTexture final : public Texture, public Composite {
         for (const Part& layer : layers_) parts += layer.is.parts();
         return parts;
     }
+    const MeasuredError* measured() const noexcept override { return measured_ ? &*measured_ : nullptr; }
     Result<Evaluation> compose(const TexelRegion& region, const Budget& budget, LinearImage& out,
                                std::vector<float>& bounds) const override {
         return region.level == 0 ? compose_texels(region, budget, out, bounds)
@@ -121,13 +123,15 @@ class LayeredTexture final : public Texture, public Composite {
     }
 
     std::vector<Part> layers_;
+    std::optional<MeasuredError> measured_;
 };
 
 }  // namespace
 
-std::shared_ptr<const Texture> make_layered_texture(std::vector<Layer> layers) {
+std::shared_ptr<const Texture> make_layered_texture(std::vector<Layer> layers,
+                                                    const std::optional<DrawLaw>& law) {
     if (layers.size() == 1) return layers.front().texture;
-    return std::make_shared<LayeredTexture>(std::move(layers));
+    return std::make_shared<LayeredTexture>(std::move(layers), law);
 }
 
 }  // namespace tessera

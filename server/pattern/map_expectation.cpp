@@ -9,12 +9,12 @@
 #include <utility>
 #include <vector>
 
-#include "server/pattern/area_sums.h"
 #include "server/pattern/corner_patches.h"
 #include "server/pattern/look_mixture.h"
 #include "server/pattern/map_bounds.h"
 #include "server/pattern/map_states.h"
 #include "server/pattern/patch_basis.h"
+#include "server/pattern/patch_sums.h"
 
 namespace tessera {
 namespace {
@@ -25,29 +25,6 @@ constexpr std::uint32_t most_corner_patches = 1 << 14;
 /// Of maps that edits change, all kinds are made, if they are no more than this.
 constexpr std::size_t most_edited_patches = 1 << 12;
 constexpr std::uint64_t sundry_bytes = std::uint64_t{32} << 20;
-/// Maps of more patches keep sums of blocks of patches; of no more blocks than `most_sums`.
-constexpr std::int64_t most_single_sums = std::int64_t{1} << 20;
-constexpr std::int64_t most_sums = std::int64_t{1} << 22;
-constexpr int most_block_log2 = 3;
-
-/// Patch (i, j) lies between the entries (i, j) and (i + 1, j + 1), counted from the map's first.
-AreaSums::Axis patch_axis(const StoredMap& map, std::int64_t entries) noexcept {
-    if (map.edge == StoredMap::Edge::wrap) return {0, entries, true};
-    return {-2, entries + 3, false};  // two on each side are as all beyond
-}
-
-/// log2 of the side of blocks that sums are kept of. Blocks lie on the texture's lattice, so that texels of a
-/// block or more are whole blocks; where the map repeats, it must do so on that lattice.
-int block_log2(const StoredMap& map) noexcept {
-    const std::int64_t width = patch_axis(map, map.width).count, height = patch_axis(map, map.height).count;
-    if (width * height <= most_single_sums) return 0;
-    if (map.edge != StoredMap::Edge::wrap) return most_block_log2;
-    return std::min(most_block_log2, std::countr_zero(static_cast<std::uint64_t>(width | height)));
-}
-std::int64_t sums_of(const StoredMap& map) noexcept {
-    return (patch_axis(map, map.width).count * patch_axis(map, map.height).count) >> 2 * block_log2(map);
-}
-
 class MapExpectation final : public AreaExpectation {
   public:
     MapExpectation(const CellProgram& program, const VaryingMap& varying, MapStates states,
@@ -174,30 +151,8 @@ class MapExpectation final : public AreaExpectation {
     void tables() const {
         std::call_once(tabled_, [this] {
             if (corners_ && patch_of_.empty()) list_patches();
-            make_sums();
+            sums_.emplace(map_, [this](std::int64_t i, std::int64_t j) { return patch_mean(i, j); });
             if (whole_up_ <= max_level) measure_whole();
-        });
-    }
-
-    void make_sums() const {
-        const AreaSums::Axis x = patch_axis(map_, map_.width), y = patch_axis(map_, map_.height);
-        block_ = block_log2(map_);
-        shift_x_ = (map_.x >> map_.cells_log2) & ((std::int64_t{1} << block_) - 1);
-        shift_y_ = (map_.y >> map_.cells_log2) & ((std::int64_t{1} << block_) - 1);
-        const auto blocks = [&](const AreaSums::Axis& axis, std::int64_t shift) -> AreaSums::Axis {
-            if (axis.wraps) return {0, axis.count >> block_, true};
-            const std::int64_t from = ((axis.from + shift) >> block_) - 1;
-            return {from, ((axis.from + axis.count + shift - 1) >> block_) + 2 - from, false};
-        };
-        sums_.emplace(blocks(x, shift_x_), blocks(y, shift_y_), [&](std::int64_t i, std::int64_t j) {
-            Colour sum{};
-            for (std::int64_t row = (j << block_) - shift_y_; row < ((j + 1) << block_) - shift_y_; ++row)
-                for (std::int64_t column = (i << block_) - shift_x_; column < ((i + 1) << block_) - shift_x_;
-                     ++column) {
-                    const Colour mean = patch_mean(column, row);
-                    for (std::size_t c = 0; c < 4; ++c) sum[c] += mean[c];
-                }
-            return sum;
         });
     }
 
@@ -346,23 +301,15 @@ class MapExpectation final : public AreaExpectation {
         const double share =
             1 / (static_cast<double>(std::int64_t{1} << log2) * static_cast<double>(std::int64_t{1} << log2));
         std::vector<AreaSums::Stretch> columns;
-        const auto blocks_of = [&](std::int64_t texel, std::int64_t from, std::int64_t shift, auto stretch) {
-            const std::int64_t first = ((texel << log2) + from + shift) >> block_;
-            return stretch(first, first + (std::int64_t{1} << (log2 - block_)));
-        };
-        const bool whole_blocks = log2 >= block_;
+        const bool whole_blocks = sums_->holds(log2);
         if (whole_blocks)
             for (std::int32_t x = 0; x < region.width; ++x)
-                columns.push_back(
-                    blocks_of(region.x + x, left, shift_x_,
-                              [&](std::int64_t from, std::int64_t to) { return sums_->columns(from, to); }));
+                columns.push_back(sums_->columns(((region.x + x) << log2) + left, log2));
         for (std::int32_t y = 0; y < region.height; ++y) {
             if (auto spent = check_budget(budget); !spent) return spent.error();
             float* texel = out.row(y);
             AreaSums::Stretch rows;
-            if (whole_blocks)
-                rows = blocks_of(region.y + y, top, shift_y_,
-                                 [&](std::int64_t from, std::int64_t to) { return sums_->rows(from, to); });
+            if (whole_blocks) rows = sums_->rows(((region.y + y) << log2) + top, log2);
             for (std::int32_t x = 0; x < region.width; ++x, texel += 4) {
                 Colour sum{};
                 if (whole_blocks) {
@@ -401,9 +348,7 @@ class MapExpectation final : public AreaExpectation {
     MapSpread spread_;                             ///< Of all patches.
     mutable MapBounds::CellDraws whole_;           ///< A cell's on the average of all patches: of texels of
     int whole_up_ = max_level + 1;                 ///< this many levels above the cell, or more.
-    mutable int block_ = 0;                        ///< log2 of the side of what is summed, in patches.
-    mutable std::int64_t shift_x_ = 0, shift_y_ = 0;
-    mutable std::optional<AreaSums> sums_;
+    mutable std::optional<PatchSums> sums_;
 };
 
 }  // namespace
@@ -412,7 +357,7 @@ std::unique_ptr<const AreaExpectation> make_map_expectation(const CellProgram& p
                                                             const LookMeans& means, std::int32_t slice,
                                                             double uneven) {
     const auto varying = program.varying();
-    if (!varying || sums_of(*varying->map) > most_sums) return nullptr;
+    if (!varying || PatchSums::count(*varying->map) > PatchSums::most) return nullptr;
     auto states = MapStates::of(*varying->map);
     if (!states) return nullptr;
     auto made =
@@ -422,11 +367,11 @@ std::unique_ptr<const AreaExpectation> make_map_expectation(const CellProgram& p
 }
 
 std::uint64_t map_expectation_bytes(const StoredMap& map) noexcept {
-    if (sums_of(map) > most_sums) return sundry_bytes;
+    if (PatchSums::count(map) > PatchSums::most) return sundry_bytes;
     const auto patches = static_cast<std::uint64_t>(patch_axis(map, map.width).count) *
                          static_cast<std::uint64_t>(patch_axis(map, map.height).count);
     // Numbers of patches, sums, kinds of patches and states
-    return patches * 2 + static_cast<std::uint64_t>(sums_of(map)) * 40 + sundry_bytes;
+    return patches * 2 + static_cast<std::uint64_t>(PatchSums::count(map)) * 40 + sundry_bytes;
 }
 
 }  // namespace tessera

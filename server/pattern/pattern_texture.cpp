@@ -10,6 +10,7 @@
 
 #include "server/pattern/area_expectation.h"
 #include "server/pattern/cell_texture.h"
+#include "server/pattern/draw_law.h"
 #include "server/pattern/instance_texture.h"
 #include "server/pattern/joint_types.h"
 #include "server/pattern/layered_texture.h"
@@ -28,14 +29,16 @@ class Compiler {
 
     /// Each texture once, and only those that are asked for.
     std::shared_ptr<const Texture> texture(std::size_t index) {
-        if (!made_[index])
+        if (!made_[index]) {
+            const auto law = draw_law(plan_, index);
             made_[index] =
-                std::visit([&](const auto& what) { return make(what); }, plan_.textures[index].what);
+                std::visit([&](const auto& what) { return make(what, law); }, plan_.textures[index].what);
+        }
         return made_[index];
     }
 
   private:
-    std::shared_ptr<const Texture> make(const ReferencePlan& plan) {
+    std::shared_ptr<const Texture> make(const ReferencePlan& plan, const std::optional<DrawLaw>&) {
         const auto basis = plan.program->basis();
         const auto fresh = [&]() -> std::shared_ptr<const Texture> {
             if (plan.transform) return make_instance_texture(plan, kept_.instances(plan));
@@ -44,19 +47,21 @@ class Compiler {
         if (basis != CellProgram::Basis::typed && basis != CellProgram::Basis::constant) return fresh();
         return kept_.texture(key_of(plan), fresh);
     }
-    std::shared_ptr<const Texture> make(const GivenPlan& plan) { return plan.texture; }
+    std::shared_ptr<const Texture> make(const GivenPlan& plan, const std::optional<DrawLaw>&) {
+        return plan.texture;
+    }
 
-    std::shared_ptr<const Texture> make(const PixelMapPlan& plan) {
+    std::shared_ptr<const Texture> make(const PixelMapPlan& plan, const std::optional<DrawLaw>& law) {
         const std::vector<bool> shown = shown_families(plan);
         std::vector<Layer> parts(plan.textures.size());
         for (std::size_t family = 0; family < parts.size(); ++family)
             if (shown[family])
                 parts[family] = {texture(plan.textures[family]), ranges_[plan.textures[family]]};
         const auto whole = joint_part(plan);
-        return make_pixel_map_texture(*plan.map, std::move(parts), whole ? joint(*whole) : nullptr);
+        return make_pixel_map_texture(*plan.map, std::move(parts), whole ? joint(*whole) : nullptr, law);
     }
 
-    std::shared_ptr<const Texture> make(const LayersPlan& plan) {
+    std::shared_ptr<const Texture> make(const LayersPlan& plan, const std::optional<DrawLaw>& law) {
         std::vector<std::size_t> flat;
         for (const std::size_t part : plan.textures) flatten(part, flat);
         // What is transparent everywhere, or lies below what is opaque everywhere, is dead
@@ -92,7 +97,7 @@ class Compiler {
             }
             from = to;
         }
-        return make_layered_texture(std::move(layers));
+        return make_layered_texture(std::move(layers), law);
     }
 
     void flatten(std::size_t index, std::vector<std::size_t>& flat) const {

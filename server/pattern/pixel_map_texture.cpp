@@ -13,11 +13,13 @@ namespace {
 
 class PixelMapTexture final : public Texture, public Composite {
   public:
-    PixelMapTexture(const StoredMap& map, std::vector<Layer> parts, std::shared_ptr<const Texture> joint)
+    PixelMapTexture(const StoredMap& map, std::vector<Layer> parts, std::shared_ptr<const Texture> joint,
+                    const std::optional<DrawLaw>& law)
         : map_{map, parts.size()},
           entry_log2_{map.cells_log2},
           range_{parts[map_.at(0, 0)].range},
           joint_{std::move(joint)} {
+        if (law) measured_.emplace(*this, *law);
         for (Layer& part : parts) {
             if (part.texture) range_ = range_of_either(range_, part.range);
             parts_.push_back({CompositePart{std::move(part.texture)}, part.range});
@@ -60,6 +62,7 @@ class PixelMapTexture final : public Texture, public Composite {
             if (part.is.texture() != nullptr) most = std::max(most, part.is.parts());
         return std::min(2 * most, 1 << 20);  // Pixel maps may lie in pixel maps
     }
+    const MeasuredError* measured() const noexcept override { return measured_ ? &*measured_ : nullptr; }
     Result<Evaluation> compose(const TexelRegion& region, const Budget& budget, LinearImage& out,
                                std::vector<float>& bounds) const override {
         if (joint_ && region.level > entry_log2_) {
@@ -190,13 +193,15 @@ class PixelMapTexture final : public Texture, public Composite {
     std::vector<Part> parts_;
     TexelRange range_;
     std::shared_ptr<const Texture> joint_;  ///< Null, or exact at every level.
+    std::optional<MeasuredError> measured_;
 };
 
 }  // namespace
 
 std::shared_ptr<const Texture> make_pixel_map_texture(const StoredMap& map, std::vector<Layer> parts,
-                                                      std::shared_ptr<const Texture> joint) {
-    return std::make_shared<PixelMapTexture>(map, std::move(parts), std::move(joint));
+                                                      std::shared_ptr<const Texture> joint,
+                                                      const std::optional<DrawLaw>& law) {
+    return std::make_shared<PixelMapTexture>(map, std::move(parts), std::move(joint), law);
 }
 
 }  // namespace tessera

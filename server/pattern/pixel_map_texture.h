@@ -13,8 +13,9 @@ namespace tessera {
 /// inside one family that family alone, as if there were no map. Where a texel holds entries of several
 /// families, exact shares times the families' own filtered texels, with certain limits, and deeper where that
 /// is not good enough (descent.h); or `joint`, if there is one: the whole as a texture that is exact at every
-/// level. `parts` that the map never shows may be null.
+/// level. `parts` that the map never shows may be null. `law`: of the whole.
 std::shared_ptr<const Texture> make_pixel_map_texture(const StoredMap& map, std::vector<Layer> parts,
-                                                      std::shared_ptr<const Texture> joint = nullptr);
+                                                      std::shared_ptr<const Texture> joint = nullptr,
+                                                      const std::optional<DrawLaw>& law = {});
 
 }  // namespace tessera

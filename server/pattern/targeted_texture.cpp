@@ -45,7 +45,7 @@ Looking looking_of(const Texture& pattern, const Plan& plan) {
         const std::int64_t side = std::int64_t{1} << cells->grid.cell_log2;
         looking.one_grid &= looking.cell_log2 == max_level || looking.cell_log2 == cells->grid.cell_log2;
         looking.one_grid &= !cells->transform || !cells->transform->overflow;
-        looking.one_grid &= cells->program->scrolled(0).validity.is_static();
+        looking.one_grid &= cells->program->scroll().cells == 0;
         looking.cell_log2 = std::min(looking.cell_log2, cells->grid.cell_log2);
         // Half a cell to its border, and a cell more that an instance may hang over
         const bool overflows = cells->transform && cells->transform->overflow;

@@ -255,7 +255,8 @@ void add_prepare(CLI::App& app, int& exit_code) {
             "An image of the same surface, aligned with PHOTO texel by texel: shares its decisions");
     command.add_option(
         "--drop", arguments->drop,
-        "Contents never to show, PATCH:CONTENT or PATCH, such as 3:7,5; numbered as in reports");
+        "Contents never to show, PATCH:CONTENT or PATCH, such as 3:7,5; numbered as in reports; a dropped "
+        "patch of a group takes the group with it");
     command.add_option("--keep", arguments->keep,
                        "Contents to keep whenever preparation goes on; also undoes --drop");
     command.add_flag("--continue", arguments->go_on,

@@ -27,7 +27,7 @@ struct ChoiceScale {
     std::int64_t repetition_weight = 0;
 
     /// What along a border is no more than happens inside the photograph.
-    std::uint32_t usual() const { return static_cast<std::uint32_t>(gradient * 3 / 2); }
+    std::uint32_t usual() const { return static_cast<std::uint32_t>(gradient); }
     ChoiceScale(const PerceptualImage& photo, const Segmentation& segmentation, std::int32_t wanted);
 };
 

@@ -124,7 +124,8 @@ PeriodicTile cut_tile(const PerceptualImage& photo, const PrepareOptions& option
 
 /// The patches: a person's, or grown.
 Result<Segmentation> divide(const PerceptualImage& tile, const PrepareOptions& options) {
-    if (options.patch_map.empty()) return make_patches(tile, options.patches, options.seed);
+    if (options.patch_map.empty())
+        return make_patches(tile, options.patches, options.seed, BorderPlaces::quiet_and_of_mean_lightness);
     return painted_patches(options.patch_map, tile.width);
 }
 

@@ -9,12 +9,14 @@
 namespace tessera {
 namespace {
 
-/// So many are cut for each that is chosen.
-constexpr int candidates_for_each = 2;
+/// So many are cut for each that is chosen: of more, such are found that cancel what repeats, so that cuts
+/// can be less bound by it.
+constexpr int candidates_for_each = 4;
 /// How often the chosen ones are cut again.
 constexpr int recuts = 3;
-/// The part of the repetition that is tolerated, 1 / contents + 3 %, that is aimed at.
-constexpr int repetition_percent = 85;
+/// The part of the repetition that is tolerated, 1 / contents + 3 %, that is aimed at: blending adds to what
+/// hard shapes repeat.
+constexpr int repetition_percent = 70;
 
 }  // namespace
 

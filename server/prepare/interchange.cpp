@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <map>
 #include <string>
 #include <thread>
 
+#include "server/prepare/interchange_groups.h"
 #include "server/prepare/interchange_library.h"
 #include "server/prepare/interchange_sets.h"
 #include "server/prepare/prepare.h"
@@ -25,7 +27,10 @@ Result<void> check_range(const char* option, std::int32_t value, std::int32_t le
 
 Result<PrepareOptions> checked(const Rgb8Image& photo, PrepareOptions options, Progress& progress) {
     if (options.tile_side == 0) options.tile_side = 256;
-    if (options.patches == 0) options.patches = 3200;
+    // They fill what groups leave
+    if (options.patches == 0)
+        options.patches = static_cast<std::int32_t>(std::clamp(std::int64_t{photo.width} * photo.height / 200,
+                                                               std::int64_t{300}, std::int64_t{1200}));
     if (options.blend_texels == -1) options.blend_texels = 4;
     if (options.threads == 0) options.threads = std::max(1u, std::thread::hardware_concurrency());
     if (auto good = check_range("--tile", options.tile_side, least_tile_side, most_tile_side); !good)
@@ -62,8 +67,37 @@ ExchangeAsset::Patch to_patch(const InterchangePatch& from, Standing standing) {
             from.width,
             from.height,
             {{from.at, from.shape, standing, 0}},
-            ExchangeAsset::Set::none};
+            ExchangeAsset::Set::none,
+            0};
 }
+
+/// A group of an earlier preparation, and what a person said of its patches.
+struct JudgedGroup {
+    InterchangeGroup group;
+    std::vector<Standing> standings;  ///< Of each patch.
+
+    bool has(Standing standing) const {
+        return std::find(standings.begin(), standings.end(), standing) != standings.end();
+    }
+};
+
+/// Adds groups to an asset, numbered from 1 on.
+class GroupWriter {
+  public:
+    explicit GroupWriter(ExchangeAsset& asset) : asset_{asset} {}
+    void add(const InterchangeGroup& group, const std::vector<Standing>& standings) {
+        ++number_;
+        for (std::size_t p = 0; p < group.patches.size(); ++p) {
+            asset_.patches.push_back(
+                to_patch(group.patches[p], standings.empty() ? Standing::chosen : standings[p]));
+            asset_.patches.back().group = number_;
+        }
+    }
+
+  private:
+    ExchangeAsset& asset_;
+    std::uint16_t number_ = 0;
+};
 
 InterchangePatch from_patch(const ExchangeAsset::Patch& from, std::int32_t tile_side) {
     InterchangePatch patch;
@@ -107,11 +141,18 @@ Result<PreparedAsset> prepare_interchange(const Rgb8Image& photo, const PrepareO
     }
 
     // What a person said of the patches of an earlier preparation
+    std::map<std::uint16_t, JudgedGroup> judged;
     LibrarySearch search{options->patches, options->blend_texels, options->seed, options->threads, {}, {}};
     if (before != nullptr) {
         if (before->tile_side != asset.tile_side || before->tile.bytes != asset.tile.bytes)
             return invalid("the asset to go on from has another tile; prepare with its own options and seed");
         for (const ExchangeAsset::Patch& patch : before->patches) {
+            if (patch.group != 0) {
+                JudgedGroup& group = judged[patch.group];
+                group.group.patches.push_back(from_patch(patch, asset.tile_side));
+                group.standings.push_back(patch.contents[0].standing);
+                continue;
+            }
             if (patch.contents[0].standing == Standing::pinned)
                 search.given.push_back(from_patch(patch, asset.tile_side));
             if (patch.contents[0].standing == Standing::dropped)
@@ -121,6 +162,19 @@ Result<PreparedAsset> prepare_interchange(const Rgb8Image& photo, const PrepareO
     }
     std::vector<InterchangePatch> library = find_library(colors, tile, search, progress);
     if (progress.stop().stop_requested()) return stopped;
+    GroupSearch group_search{
+        options->patches, options->blend_texels, options->seed, options->threads, {}, {}};
+    for (const auto& [number, group] : judged)
+        if (group.has(Standing::dropped))
+            group_search.unwanted.push_back(group.group);
+        else if (group.has(Standing::pinned))
+            group_search.given.push_back(group.group);
+    const std::vector<InterchangeGroup> groups = find_groups(colors, tile, group_search, progress);
+    if (progress.stop().stop_requested()) return stopped;
+    if (groups.empty() && group_search.given.empty())
+        progress.note(
+            "patches are not grouped, since the photograph is too small or the tile too large for "
+            "it: the tile stays in sight between them");
 
     for (const InterchangePatch& patch : library) asset.patches.push_back(to_patch(patch, Standing::chosen));
     for (const InterchangePatch& patch : search.given) {
@@ -130,6 +184,11 @@ Result<PreparedAsset> prepare_interchange(const Rgb8Image& photo, const PrepareO
     progress.advance("sets", 0);
     const auto sets = divide_into_sets(library, asset.tile_side, options->seed);
     for (std::size_t p = 0; p < library.size(); ++p) asset.patches[p].set = sets[p];
+    GroupWriter writer{asset};
+    for (const InterchangeGroup& group : groups) writer.add(group, {});
+    for (const auto& [number, group] : judged)
+        if (group.has(Standing::dropped) || group.has(Standing::pinned))
+            writer.add(group.group, group.standings);
     for (const InterchangePatch& patch : search.unwanted)
         asset.patches.push_back(to_patch(patch, Standing::dropped));
     progress.advance("sets", 1);

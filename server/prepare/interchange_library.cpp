@@ -34,16 +34,6 @@ bool alike(const InterchangePatch& a, const InterchangePatch& b, std::int32_t ti
     return both * 4 > std::min(a.texels, b.texels);
 }
 
-/// The mean step from texel to texel.
-std::uint32_t mean_gradient(const PerceptualImage& photo) {
-    std::uint64_t sum = 0, pairs = 0;
-    for (std::int32_t y = 0; y + 1 < photo.height; ++y)
-        for (std::int32_t x = 0; x + 1 < photo.width; ++x, pairs += 2)
-            sum +=
-                distance(photo.at(x, y), photo.at(x + 1, y)) + distance(photo.at(x, y), photo.at(x, y + 1));
-    return static_cast<std::uint32_t>(std::max<std::uint64_t>(sum / pairs, 16));
-}
-
 /// How many patches lie on each texel of the tile.
 class Coverage {
   public:

@@ -12,7 +12,7 @@
 namespace tessera {
 
 struct LibrarySearch {
-    std::int32_t patches = 3200;  ///< Wanted.
+    std::int32_t patches = 1200;  ///< Wanted.
     std::int32_t blend_texels = 4;
     std::uint64_t seed = 1;
     std::size_t threads = 1;

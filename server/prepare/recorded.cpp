@@ -110,7 +110,7 @@ Result<Earlier> read_earlier(const std::filesystem::path& folder, const Rgb8Imag
 std::vector<TerminalProgress::Share> prepare_shares(ExchangeMethod method) {
     switch (method) {
         case ExchangeMethod::interchange:
-            return {{"tile", 0.2}, {"patches", 0.7}, {"sets", 0.1}};
+            return {{"tile", 0.15}, {"patches", 0.25}, {"groups", 0.55}, {"sets", 0.05}};
         case ExchangeMethod::wang:
             return {{"tiles", 1.0}};
         case ExchangeMethod::content_exchange:

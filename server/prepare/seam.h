@@ -28,6 +28,16 @@ inline std::uint32_t distance(PerceptualColor a, PerceptualColor b) noexcept {
     return seam_detail::roots[static_cast<std::size_t>(std::min(difference(a, b) >> 4, 65535))];
 }
 
+/// The mean step from texel to texel of a photograph of at least 2×2, as distance() has it; at least 16.
+inline std::uint32_t mean_gradient(const PerceptualImage& photo) {
+    std::uint64_t sum = 0, pairs = 0;
+    for (std::int32_t y = 0; y + 1 < photo.height; ++y)
+        for (std::int32_t x = 0; x + 1 < photo.width; ++x, pairs += 2)
+            sum +=
+                distance(photo.at(x, y), photo.at(x + 1, y)) + distance(photo.at(x, y), photo.at(x, y + 1));
+    return static_cast<std::uint32_t>(std::max<std::uint64_t>(sum / pairs, 16));
+}
+
 /// What a border between the neighbouring texels s and t costs, where one side of it shows the layer a and
 /// the other the layer b: the gradient that results (both ways round), and how much the layers differ at
 /// either texel. Below 2^16 + 2. Distances, not their squares: many small steps are seen as much as one large

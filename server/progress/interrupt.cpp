@@ -1,8 +1,16 @@
 #include "server/progress/interrupt.h"
 
+#include <atomic>
 #include <ctime>
 
 namespace tessera {
+namespace {
+
+std::atomic<int> came{0};
+
+}  // namespace
+
+int Interrupt::signal_that_came() noexcept { return came; }
 
 Interrupt::Interrupt() {
     sigset_t stopping;
@@ -13,7 +21,10 @@ Interrupt::Interrupt() {
     watcher_ = std::jthread{[this, stopping](const std::stop_token& over) {
         const timespec moment{0, 50'000'000};
         while (!over.stop_requested() && !source_.stop_requested())
-            if (sigtimedwait(&stopping, nullptr, &moment) > 0) source_.request_stop();
+            if (const int signal = sigtimedwait(&stopping, nullptr, &moment); signal > 0) {
+                came = signal;
+                source_.request_stop();
+            }
     }};
 }
 

@@ -17,6 +17,10 @@ class Interrupt {
 
     std::stop_token token() const { return source_.get_token(); }
 
+    /// The signal that came to any of them so far; 0: none. A program that was told to stop and could not
+    /// finish ends with 128 and this.
+    static int signal_that_came() noexcept;
+
   private:
     sigset_t before_{};
     std::stop_source source_;

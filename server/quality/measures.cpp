@@ -23,7 +23,8 @@ double contents_a_patch(const ExchangeAsset& asset) {
 
 }  // namespace
 
-std::vector<Gate> gates_of(const ExchangeAsset& asset, const Seams& seams, const Repetition& repetition) {
+std::vector<Gate> gates_of(const ExchangeAsset& asset, const Seams& seams, const Repetition& repetition,
+                           const TileShare& share) {
     std::vector<Gate> gates{
         {"seams, mean", seams.hard_ratio.mean, hard_seam_limit},
         {"seams, 99th percentile", seams.hard_ratio.percentile_99, hard_seam_limit},
@@ -34,8 +35,10 @@ std::vector<Gate> gates_of(const ExchangeAsset& asset, const Seams& seams, const
     if (asset.method == ExchangeMethod::content_exchange)
         gates.push_back(
             {"repetition", greatest, 1 / std::max(contents_a_patch(asset), 1.0) + repetition_allowance});
-    if (asset.method == ExchangeMethod::interchange)
+    if (asset.method == ExchangeMethod::interchange) {
         gates.push_back({"repetition", greatest, interchange_repetition_limit});
+        gates.push_back({"repetition, counted", share.shifted.value, interchange_repetition_limit});
+    }
     return gates;
 }
 
@@ -75,7 +78,7 @@ Result<Quality> measure_quality(const ExchangeAsset& asset, const MeasuredTextur
     auto fidelity = measure_fidelity(asset, *textures.blended, progress.part(0.9, 1));
     if (!fidelity) return fidelity.error();
     quality.fidelity = std::move(*fidelity);
-    quality.gates = gates_of(asset, quality.seams, quality.repetition);
+    quality.gates = gates_of(asset, quality.seams, quality.repetition, quality.share);
     return quality;
 }
 

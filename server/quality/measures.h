@@ -29,12 +29,23 @@ struct Steps {
     double percentile_99 = 0;
 };
 
-/// Steps between adjacent texels of level 0 that show different sources; for wang also between tiles.
+/// Steps between adjacent texels of level 0 that show different sources; for wang also between tiles. The
+/// hard ratio is the product of two: how quiet the places are that borders run through, and how badly the
+/// sources fit there.
 struct Seams {
     std::uint64_t pairs = 0;
     Steps exemplar;                   ///< Between all adjacent texels of the exemplar.
     Steps hard, blended;              ///< At the same places.
     Steps hard_ratio, blended_ratio;  ///< Against the exemplar's.
+    /// At the same places, what either side's own source goes on with there: what would be seen without a
+    /// seam. None between wang's tiles, which end there.
+    std::uint64_t natural_steps = 0;
+    Steps natural;
+    Steps natural_ratio;   ///< Against the exemplar's: below 1 where borders keep to quiet places.
+    Steps excess;          ///< hard against natural: 1 where sources meet as if they were one.
+    double new_edges = 0;  ///< Share of pairs whose step is seen, and is in neither source.
+    std::uint64_t quiet_steps = 0;
+    Steps quiet_ratio;  ///< The quietest curves of the exemplar itself (quiet_curves.h), against its own.
     std::vector<float>
         energy;  ///< tile_side²: at each place of the tile, its hard steps' mean ratio; 0 without seams.
     std::vector<float>
@@ -55,6 +66,9 @@ struct Repetition {
         Shift greatest;   ///< Of these.
         double mean = 0;  ///< Of these.
         double elsewhere = 0;  ///< The greatest of as many shifts half a tile off: what chance shows.
+        /// The greatest by 4 to 8 tiles, up to half the sample, at level 0: where units of several tiles are
+        /// decided at once, they may be alike. As few as four pairs of such units are in one shift.
+        std::optional<Shift> farther;
     };
     std::vector<Level> levels;  ///< 0, and 4 and 5 where the tile has texels there.
     /// Lightness of each place of the tile, 0 to 100, on average over the occurrences in the sample: whatever
@@ -76,6 +90,9 @@ struct TileShare {
     std::int64_t occurrences = 0;
     Figure tile;    ///< How often the tile itself shows.
     Figure repeat;  ///< How likely two occurrences of the tile show the same source.
+    /// How often a place shows what it shows so many tiles away, up to 8 each way, on average over the tile's
+    /// places: the greatest of these. Counted over many more tiles than correlations are.
+    Repetition::Shift shifted;
     double chance =
         0;  ///< What independent draws with the mean repeat rate show, and three standard deviations.
     double beyond_chance = 0;  ///< Share of cells that repeat more often than that.
@@ -129,7 +146,8 @@ Result<Fidelity> measure_fidelity(const ExchangeAsset& asset, const ExchangeText
                                   const ProgressPart& progress);
 
 /// What the asset's method must keep.
-std::vector<Gate> gates_of(const ExchangeAsset& asset, const Seams& seams, const Repetition& repetition);
+std::vector<Gate> gates_of(const ExchangeAsset& asset, const Seams& seams, const Repetition& repetition,
+                           const TileShare& share);
 
 /// All of it, with the gates of the asset's method.
 Result<Quality> measure_quality(const ExchangeAsset& asset, const MeasuredTextures& textures,

@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <optional>
 
 #include "server/quality/lab.h"
 #include "server/quality/measures.h"
@@ -11,6 +13,7 @@ constexpr std::int32_t sample_side = 4096;
 constexpr std::int32_t coarse_sample_side = 1024;
 constexpr std::int32_t strip_rows = 64;
 constexpr std::int32_t farthest = 3;  ///< Tiles each way.
+constexpr std::int32_t farther = 8;   ///< The same, where units of 4 tiles may be alike.
 
 /// Lightness in 16ths of a unit, its mean removed.
 struct Sample {
@@ -88,6 +91,19 @@ Repetition::Level repetition_of(const Sample& sample, int level, std::int32_t pe
     return out;
 }
 
+std::optional<Repetition::Shift> greatest_farther(const Sample& sample, std::int32_t period) {
+    const std::int32_t last = std::min(farther, sample.side / 2 / period);
+    const double variance = correlate(sample, 0, 0);
+    std::optional<Repetition::Shift> greatest;
+    for (std::int32_t y = 0; y <= last; ++y)
+        for (std::int32_t x = -last; x <= last; ++x) {
+            if ((y == 0 && x <= 0) || std::max(std::abs(x), y) <= farthest) continue;
+            const double value = variance > 0 ? correlate(sample, x * period, y * period) / variance : 1.0;
+            if (!greatest || value > greatest->value) greatest = {double(x), double(y), value};
+        }
+    return greatest;
+}
+
 /// The mean over all tiles, which fill the sample.
 std::vector<float> mean_tile(const Sample& sample, std::int32_t period) {
     std::vector<std::int32_t> sums(std::size_t(period) * std::size_t(period));
@@ -113,6 +129,7 @@ Result<Repetition> measure_repetition(const ExchangeTexture& texture, std::int32
     const auto fine = take_sample(texture, 0, sample_side, stride, progress.part(0, 0.7));
     if (!fine) return fine.error();
     repetition.levels.push_back(repetition_of(*fine, 0, tile_side / stride));
+    repetition.levels.back().farther = greatest_farther(*fine, tile_side / stride);
     repetition.mean_side = tile_side / stride;
     repetition.mean_lightness = mean_tile(*fine, repetition.mean_side);
     for (const int level : {4, 5}) {

@@ -91,6 +91,9 @@ void write(Json& json, std::string_view key, const TileShare& share) {
     json.whole("occurrences", static_cast<std::uint64_t>(share.occurrences));
     write(json, "tile", share.tile);
     write(json, "repeat", share.repeat);
+    json.number("shifted", share.shifted.value);
+    json.number("shifted_x", share.shifted.x);
+    json.number("shifted_y", share.shifted.y);
     json.number("chance", share.chance);
     json.number("beyond_chance", share.beyond_chance);
     json.close();
@@ -134,6 +137,13 @@ std::string report_json(const ExchangeAsset& asset, const Quality& quality, cons
     write(json, "blended_steps", quality.seams.blended);
     write(json, "hard_ratio", quality.seams.hard_ratio);
     write(json, "blended_ratio", quality.seams.blended_ratio);
+    if (quality.seams.natural_steps > 0) {
+        write(json, "natural_steps", quality.seams.natural);
+        write(json, "natural_ratio", quality.seams.natural_ratio);
+        write(json, "excess", quality.seams.excess);
+        json.number("new_edges", quality.seams.new_edges);
+    }
+    if (quality.seams.quiet_steps > 0) write(json, "quiet_ratio", quality.seams.quiet_ratio);
     json.close();
 
     json.open("repetition", '[');
@@ -145,6 +155,11 @@ std::string report_json(const ExchangeAsset& asset, const Quality& quality, cons
         json.number("at_y", level.greatest.y);
         json.number("mean", level.mean);
         json.number("elsewhere", level.elsewhere);
+        if (level.farther) {
+            json.number("farther", level.farther->value);
+            json.number("farther_x", level.farther->x);
+            json.number("farther_y", level.farther->y);
+        }
         json.close();
     }
     json.close();

@@ -89,6 +89,36 @@ std::string gates_section(const Quality& quality) {
     return out + "</tbody></table></div></section>\n";
 }
 
+/// What the figure of seams is made of.
+std::string seams_section(const Quality& quality) {
+    const Seams& seams = quality.seams;
+    std::string out =
+        "<section><h2>Seams, taken apart</h2><p>The figure of unblended seams is a product. <b>Place</b>: "
+        "the steps that the two sources have of themselves where the border runs, against the photograph’s "
+        "mean; "
+        "below 1 where borders keep to quiet places. <b>Excess</b>: the steps between the sources against "
+        "those; 1 as if both were one. A border along a dark gap may have a high place and no excess, and "
+        "is not seen. <b>New edges</b> are pairs whose step is greater than either source’s own by more than "
+        "is just seen (2.3 units of CIELAB). <b>Quietest</b>: the photograph’s own steps along the "
+        "curves of the smallest sum around some of its places, as large as a patch, with nothing exchanged: "
+        "an estimate of what no place can be much below.</p><div class=wide><table data-seams><thead><tr><th>"
+        "<th class=n>Seams<th class=n>Place<th class=n>Excess<th class=n>New edges<th "
+        "class=n>Quietest</thead><tbody>\n";
+    const auto row = [&](const char* name, double Steps::*part, bool counts_edges) {
+        const auto figure = [](bool known, double value) {
+            return "<td class=n>" + (known ? format("%.3f", value) : std::string{"–"});
+        };
+        const bool natural = seams.natural_steps > 0;
+        out += format("<tr><th>%s", name) + figure(true, seams.hard_ratio.*part) +
+               figure(natural, seams.natural_ratio.*part) + figure(natural, seams.excess.*part) +
+               "<td class=n>" + (counts_edges && natural ? percent(seams.new_edges) : "") +
+               figure(seams.quiet_steps > 0, seams.quiet_ratio.*part) + "\n";
+    };
+    row("Mean", &Steps::mean, true);
+    row("99th percentile", &Steps::percentile_99, false);
+    return out + "</tbody></table></div></section>\n";
+}
+
 std::string previews_section(const ReportPictures& pictures) {
     std::string out =
         "<section><h2>Previews</h2><p>2048 × 2048 texels of a level, beside the tile repeated. Click for the "
@@ -207,6 +237,11 @@ std::string repetition_section(const Quality& quality) {
             "%.2f</figcaption></figure>\n",
             level.greatest.value * 100, level.greatest.x, level.greatest.y, level.mean * 100,
             level.elsewhere * 100);
+        if (level.farther)
+            out += format(
+                "<p>By 4 to 8 tiles, where units of several tiles may be alike: greatest <b>%.2f</b> "
+                "at (%+.0f, %+.0f).</p>\n",
+                level.farther->value * 100, level.farther->x, level.farther->y);
     }
     return out + "</div></section>\n";
 }
@@ -348,9 +383,9 @@ std::string report_page(const std::string& title, const ExchangeAsset& asset, co
            "content=\"width=device-width\">\n<title>" +
            escaped(title) + " · Tessera</title>\n<link rel=icon href=\"data:,\">\n<style>" + report_style +
            backgrounds(pictures) + "</style>\n<main>\n" + header(title, asset, quality, contents) +
-           gates_section(quality) + previews_section(pictures) + tile_section(asset, pictures, quality) +
-           shares_section(pictures, quality) + repetition_section(quality) + fidelity_section(quality) +
-           contents_section(asset, contents) +
+           gates_section(quality) + seams_section(quality) + previews_section(pictures) +
+           tile_section(asset, pictures, quality) + shares_section(pictures, quality) +
+           repetition_section(quality) + fidelity_section(quality) + contents_section(asset, contents) +
            "</main>\n<dialog aria-label=\"Enlarged picture\"><header><span data-words></span><span>wheel or "
            "+ − zooms, drag or arrows move</span>"
            "<span><button data-fit>Fit</button> <button data-close>Close</button></span></header><div "

@@ -27,6 +27,32 @@ void summarise(TileShare::Figure& figure, std::int32_t side) {
     figure.corner = std::max({at(0, 0), at(side - 1, 0), at(0, side - 1), at(side - 1, side - 1)});
 }
 
+/// How often what so many tiles beside each other show is alike, cell by cell.
+Repetition::Shift greatest_shifted(const std::vector<std::uint32_t>& shown, std::int32_t tiles) {
+    constexpr std::int32_t farthest = 8;
+    const std::size_t count = std::size_t(tiles) * std::size_t(tiles), cells = shown.size() / count;
+    // So many cells tell: each of them in thousands of tiles
+    const std::size_t every = std::max<std::size_t>(1, cells / 128) | 1;
+    Repetition::Shift greatest;
+    for (std::int32_t dy = 0; dy <= std::min(farthest, tiles / 2); ++dy)
+        for (std::int32_t dx = -std::min(farthest, tiles / 2); dx <= std::min(farthest, tiles / 2); ++dx) {
+            if (dy == 0 && dx <= 0) continue;
+            std::int64_t alike = 0, all = 0;
+            for (std::size_t cell = 0; cell < cells; cell += every)
+                for (std::int32_t y = 0; y + dy < tiles; ++y) {
+                    const std::uint32_t* here =
+                        shown.data() + cell * count + std::size_t(y) * std::size_t(tiles);
+                    const std::uint32_t* there = here + std::ptrdiff_t{dy} * tiles + dx;
+                    const std::int32_t first = std::max(0, -dx), last = tiles - std::max(0, dx);
+                    for (std::int32_t x = first; x < last; ++x) alike += here[x] == there[x] ? 1 : 0;
+                    all += last - first;
+                }
+            const double rate = double(alike) / double(all);
+            if (rate > greatest.value) greatest = {double(dx), double(dy), rate};
+        }
+    return greatest;
+}
+
 }  // namespace
 
 Result<TileShare> measure_tile_share(const ExchangeTexture& texture, std::int32_t tile_side,
@@ -65,6 +91,7 @@ Result<TileShare> measure_tile_share(const ExchangeTexture& texture, std::int32_
             }
         }
 
+    share.shifted = greatest_shifted(shown, tiles);
     for (auto begin = shown.begin(); begin != shown.end(); begin += std::ptrdiff_t(count)) {
         const auto end = begin + std::ptrdiff_t(count);
         std::sort(begin, end);

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <map>
 #include <string>
+#include <vector>
 
 #include "server/scene/shape_sheet.h"
 
@@ -126,6 +128,46 @@ Result<void> check_sets(const ExchangeAsset& asset, const AssetFiles& files) {
     return {};
 }
 
+/// Patches that are shown together never overlap.
+Result<void> check_groups(const ExchangeAsset& asset, const AssetFiles& files) {
+    std::map<std::uint16_t, std::vector<std::size_t>> groups;
+    for (std::size_t p = 0; p < asset.patches.size(); ++p)
+        if (asset.patches[p].group != 0) groups[asset.patches[p].group].push_back(p);
+    std::int64_t texels = 0;
+    for (const auto& [number, members] : groups) {
+        std::int32_t left = INT32_MAX, top = INT32_MAX, right = INT32_MIN, bottom = INT32_MIN;
+        for (const std::size_t p : members) {
+            const Patch& patch = asset.patches[p];
+            left = std::min(left, patch.x);
+            right = std::max(right, patch.x + patch.width);
+            top = std::min(top, patch.y);
+            bottom = std::max(bottom, patch.y + patch.height);
+        }
+        texels += std::int64_t{right - left} * (bottom - top);
+        if (texels > max_sheet_texels)
+            return invalid(files.json, "group " + std::to_string(number) + ": with it groups reach over " +
+                                           std::to_string(texels >> 20) + " Mtexels; at most " +
+                                           std::to_string(max_sheet_texels >> 20) + again);
+        const std::int32_t width = right - left;
+        std::vector<bool> taken(std::size_t(width) * std::size_t(bottom - top));
+        for (const std::size_t p : members) {
+            const Patch& patch = asset.patches[p];
+            for (std::int32_t v = 0; v < patch.height; ++v)
+                for (std::int32_t u = 0; u < patch.width; ++u) {
+                    if (!patch.contents[0].shape.at(u, v)) continue;
+                    const std::int32_t x = patch.x + u, y = patch.y + v;
+                    const auto at = std::size_t(y - top) * std::size_t(width) + std::size_t(x - left);
+                    if (taken[at])
+                        return invalid(files.json, name_of(p) + ": overlaps another patch of group " +
+                                                       std::to_string(number) + " at " + point(x, y) +
+                                                       "; take one of them out of its group");
+                    taken[at] = true;
+                }
+        }
+    }
+    return {};
+}
+
 /// Corner colours as people write them: "0102".
 std::string digits(unsigned corners) {
     std::string text;
@@ -181,7 +223,7 @@ Result<void> check_exchange_asset(const ExchangeAsset& asset, const AssetFiles& 
         case ExchangeMethod::content_exchange:
             return all(check_labels, check_shapes_keep_to_labels);
         case ExchangeMethod::interchange:
-            return all(check_rhombus, check_sets);
+            return all(check_rhombus, check_sets, check_groups);
         case ExchangeMethod::wang:
             break;
     }

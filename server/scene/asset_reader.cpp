@@ -112,6 +112,7 @@ class AssetReader {
     }
 
   private:
+    bool is_interchange() const { return asset_.method == ExchangeMethod::interchange; }
     Error invalid_field(const std::string& what) const { return invalid(files_.json, what); }
 
     Result<void> take_numbers() {
@@ -207,8 +208,9 @@ class AssetReader {
         const std::int64_t side = asset_.tile_side;
         std::int64_t first = 0, last = side - 1, largest = side / 2;
         int fewest = 0, most = ExchangeAsset::max_contents;
-        if (asset_.method == ExchangeMethod::interchange)
+        if (is_interchange())
             first = -side / 2, last = side + side / 2 - 1, largest = 2 * side, fewest = most = 1;
+        if (message.group() != 0) last = 8 * side - 1;
         if (asset_.method == ExchangeMethod::wang) last = 0, largest = side;
         const std::int64_t smallest = asset_.method == ExchangeMethod::wang ? side : 1;
 
@@ -235,11 +237,20 @@ class AssetReader {
         if (message.set() == "a" || message.set() == "b")
             patch.set = message.set() == "a" ? ExchangeAsset::Set::a : ExchangeAsset::Set::b;
         if ((!message.set().empty() && patch.set == ExchangeAsset::Set::none) ||
-            (patch.set != ExchangeAsset::Set::none && asset_.method != ExchangeMethod::interchange))
-            return invalid_field(name + ".set: is \"" + message.set() + "\"; " +
-                                 (asset_.method == ExchangeMethod::interchange
-                                      ? "\"a\", \"b\" or nothing"
-                                      : "only interchange has sets"));
+            (patch.set != ExchangeAsset::Set::none && !is_interchange()))
+            return invalid_field(
+                name + ".set: is \"" + message.set() + "\"; " +
+                (is_interchange() ? "\"a\", \"b\" or nothing" : "only interchange has sets"));
+        const std::uint32_t most_groups = is_interchange() ? ExchangeAsset::max_groups : 0;
+        if (message.group() > most_groups)
+            return invalid_field(name + ".group: is " + std::to_string(message.group()) + "; " +
+                                 (is_interchange() ? "from 1 to " + std::to_string(most_groups) +
+                                                         ", or 0 for a patch that is shown alone"
+                                                   : "only interchange has groups"));
+        patch.group = static_cast<std::uint16_t>(message.group());
+        if (patch.group != 0 && patch.set != ExchangeAsset::Set::none)
+            return invalid_field(name + ".set: is \"" + message.set() + "\", but the patch is in group " +
+                                 std::to_string(patch.group) + "; leave one of them out");
         return patch;
     }
 

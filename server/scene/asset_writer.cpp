@@ -99,6 +99,7 @@ proto::ExchangeAsset to_message(const ExchangeAsset& asset, const ShapeSheet& sh
         out.set_height(static_cast<std::uint32_t>(patch.height));
         if (patch.set != ExchangeAsset::Set::none)
             out.set_set(patch.set == ExchangeAsset::Set::a ? "a" : "b");
+        out.set_group(patch.group);
         for (const auto& content : patch.contents) {
             proto::Content& listed = *out.add_contents();
             listed.set_x(static_cast<std::uint32_t>(content.at.x));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <fstream>
+#include <mutex>
 #include <optional>
 #include <sstream>
 #include <system_error>
@@ -13,6 +14,7 @@
 
 #include "server/scene/compile_scene.h"
 #include "server/scene/fingerprint.h"
+#include "server/scene/opening_view.h"
 #include "shared/wire/json.h"
 
 namespace tessera {
@@ -40,8 +42,21 @@ Result<std::string> read_text(const fs::path& file) {
     return text.str();
 }
 
+/// Why a folder without a scene.json is no scene.
+Error no_scene(const fs::path& folder) {
+    std::error_code failure;
+    for (fs::directory_iterator entry{folder, failure}, end; !failure && entry != end;
+         entry.increment(failure))
+        if (std::error_code hidden; fs::exists(entry->path() / "scene.json", hidden))
+            return invalid(folder,
+                           "is a folder of scenes; name one of them, such as " + entry->path().string());
+    return invalid(folder, "holds no scene.json, so it is no scene");
+}
+
 Result<ScenePtr> load_once(const fs::path& folder, const std::string& id) {
     const fs::path file = folder / "scene.json";
+    std::error_code failure;
+    if (fs::is_directory(folder, failure) && !fs::exists(file, failure)) return no_scene(folder);
     const auto text = read_text(file);
     if (!text) return text.error();
     proto::Scene message;
@@ -58,6 +73,11 @@ Result<ScenePtr> load_once(const fs::path& folder, const std::string& id) {
         return invalid(file,
                        "extent_log2_pages: is " + std::to_string(n) + "; from 1 to 30 (2^38 texels a side)");
     scene->extent.n = static_cast<std::uint8_t>(n);
+    if (message.has_view()) {
+        const auto view = opening_view_of(message.view(), scene->extent);
+        if (!view) return invalid(file, view.error().detail);
+        scene->view = *view;
+    }
 
     // The fingerprint must name the bytes that were compiled: where an asset changes meanwhile, all is read
     // again
@@ -93,13 +113,21 @@ struct NamedFolder {
 
 /// As many scenes at a time as there are processors, up to 4. Those behind `stop` are empty.
 std::vector<std::optional<Result<ScenePtr>>> load_all(const std::vector<NamedFolder>& folders,
-                                                      const std::stop_token& stop) {
+                                                      const std::stop_token& stop,
+                                                      const std::function<void(const LoadedScene&)>& tell) {
     constexpr unsigned most_at_once = 4;
     std::vector<std::optional<Result<ScenePtr>>> loaded(folders.size());
     std::atomic<std::size_t> next{0};
+    std::mutex telling;
+    std::size_t done = 0;
     const auto run = [&] {
-        for (std::size_t i = next++; i < folders.size() && !stop.stop_requested(); i = next++)
+        for (std::size_t i = next++; i < folders.size() && !stop.stop_requested(); i = next++) {
+            const auto begin = std::chrono::steady_clock::now();
             loaded[i] = load_named(folders[i].path, folders[i].name);
+            if (!tell) continue;
+            const std::lock_guard lock{telling};
+            tell({folders[i].name, std::chrono::steady_clock::now() - begin, ++done, folders.size()});
+        }
     };
     std::vector<std::jthread> helpers;
     try {
@@ -135,7 +163,8 @@ ScenePtr Catalog::find(std::string_view id) const {
     return found == scenes.end() ? nullptr : found->second;
 }
 
-Result<Catalog> load_catalog(const fs::path& folder, std::stop_token stop) {
+Result<Catalog> load_catalog(const fs::path& folder, std::stop_token stop,
+                             const std::function<void(const LoadedScene&)>& tell) {
     std::error_code failure;
     std::vector<fs::path> folders;
     if (fs::exists(folder / "scene.json", failure)) {
@@ -162,7 +191,7 @@ Result<Catalog> load_catalog(const fs::path& folder, std::stop_token stop) {
         if (name.string().starts_with('.')) continue;  // what a preparation has not finished
         named.push_back({path, name.string()});
     }
-    const auto loaded = load_all(named, stop);
+    const auto loaded = load_all(named, stop, tell);
     if (stop.stop_requested()) return Error{ErrorCode::cancelled, "loading was stopped"};
 
     Catalog catalog;

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -12,6 +14,7 @@
 #include "server/texture/material.h"
 #include "server/texture/texture.h"
 #include "shared/motion/scene_clock.h"
+#include "shared/page/opening_view.h"
 #include "shared/page/page_key.h"
 #include "shared/result/result.h"
 #include "shared/revisions/page_revisions.h"
@@ -32,8 +35,9 @@ struct Scene {
     std::string title;
     std::string attribution;
     Extent extent;
-    std::uint64_t revision = 0;      ///< Accepted edits so far.
-    PageRevisions page_revisions{};  ///< Which of them touched what.
+    std::optional<OpeningView> view;  ///< As the scene file says; empty: it leaves that to whoever shows it.
+    std::uint64_t revision = 0;       ///< Accepted edits so far.
+    PageRevisions page_revisions{};   ///< Which of them touched what.
     std::string fingerprint;  ///< 16 hex digits over the scene file, its assets and the evaluator's version.
     std::shared_ptr<const Texture> texture;  ///< The colour: the channel set "albedo".
     std::vector<Channels> channels;          ///< The other sets it has, in the order of ChannelSet.
@@ -122,9 +126,18 @@ struct Catalog {
     ScenePtr find(std::string_view id) const;
 };
 
+/// A scene of a catalog was read, or was found broken.
+struct LoadedScene {
+    const std::string& id;
+    std::chrono::duration<double> time;  ///< That this took.
+    std::size_t loaded = 0;              ///< How many are, with this one.
+    std::size_t of = 0;
+};
+
 /// `folder` holds one folder for each scene; or is itself a scene. Several load at a time; looks at `stop`
-/// between scenes. Errors:
+/// between scenes. `tell` hears of each scene, from one thread at a time. Errors:
 /// io_failure if the folder cannot be read, cancelled.
-Result<Catalog> load_catalog(const std::filesystem::path& folder, std::stop_token stop = {});
+Result<Catalog> load_catalog(const std::filesystem::path& folder, std::stop_token stop = {},
+                             const std::function<void(const LoadedScene&)>& tell = {});
 
 }  // namespace tessera

@@ -21,6 +21,7 @@ std::shared_ptr<const proto::Scene> without_sprites(const proto::Scene& message)
     *kept->mutable_title() = message.title();
     kept->set_extent_log2_pages(message.extent_log2_pages());
     kept->set_attribution(message.attribution());
+    if (message.has_view()) *kept->mutable_view() = message.view();
     if (message.has_constant()) *kept->mutable_constant() = message.constant();
     if (message.has_checker()) *kept->mutable_checker() = message.checker();
     if (message.has_content_exchange()) *kept->mutable_content_exchange() = message.content_exchange();

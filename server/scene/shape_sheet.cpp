@@ -38,7 +38,7 @@ std::int32_t sheet_width(const std::vector<BitMask>& shapes) {
 }  // namespace
 
 BitMask whole_shape(const ExchangeAsset& asset, std::size_t patch) {
-    const auto& [x, y, width, height, contents, set] = asset.patches[patch];
+    const auto& [x, y, width, height, contents, set, group] = asset.patches[patch];
     BitMask shape{width, height};
     const std::int32_t mask = asset.tile_side - 1;
     for (std::int32_t v = 0; v < height; ++v)

@@ -171,9 +171,9 @@ void paint_row(const PebblePile& pile, Heights heights, std::int32_t y, PaintedS
 
 }  // namespace
 
-PaintedSurface paint_pebble_surface(std::int32_t side, std::uint64_t seed) {
+PaintedSurface paint_pebble_surface(std::int32_t side, std::uint64_t seed, const std::stop_token& stop) {
     side = std::clamp(side, min_painting_side, max_painting_side);
-    const PebblePile pile = lay_pebbles(side * oversampling, oversampling, seed);
+    const PebblePile pile = lay_pebbles(side * oversampling, oversampling, seed, stop);
 
     const auto [lowest, highest] = std::minmax_element(pile.height.begin(), pile.height.end());
     const Heights heights{double{*lowest}, double{*highest}};
@@ -184,15 +184,16 @@ PaintedSurface paint_pebble_surface(std::int32_t side, std::uint64_t seed) {
     std::vector<std::jthread> painters;
     const auto count = std::clamp(static_cast<std::int32_t>(std::thread::hardware_concurrency()), 1, 16);
     for (std::int32_t first = 0; first < count; ++first)
-        painters.emplace_back([&pile, heights, &painted, side, first, count] {
-            for (std::int32_t y = first; y < side; y += count) paint_row(pile, heights, y, painted);
+        painters.emplace_back([&pile, heights, &painted, &stop, side, first, count] {
+            for (std::int32_t y = first; y < side && !stop.stop_requested(); y += count)
+                paint_row(pile, heights, y, painted);
         });
     painters.clear();
     return painted;
 }
 
-Rgb8Image paint_pebbles(std::int32_t side, std::uint64_t seed) {
-    return paint_pebble_surface(side, seed).color;
+Rgb8Image paint_pebbles(std::int32_t side, std::uint64_t seed, const std::stop_token& stop) {
+    return paint_pebble_surface(side, seed, stop).color;
 }
 
 }  // namespace tessera

@@ -121,7 +121,7 @@ void lay(PebblePile& pile, const Pebble& pebble) {
 
 }  // namespace
 
-PebblePile lay_pebbles(std::int32_t side, double texel, std::uint64_t seed) {
+PebblePile lay_pebbles(std::int32_t side, double texel, std::uint64_t seed, const std::stop_token& stop) {
     PebblePile pile;
     pile.side = side;
     pile.texel = texel;
@@ -139,6 +139,7 @@ PebblePile lay_pebbles(std::int32_t side, double texel, std::uint64_t seed) {
             if (radius * 6.0 > side) continue;
             const double places = static_cast<double>(side) * side / (4.0 * radius * radius);
             for (auto left = static_cast<std::int64_t>(places * bed.tries) + 1; left > 0; --left) {
+                if (stop.stop_requested()) return pile;
                 Pebble pebble = make_pebble(radius * dice.uniform(0.92, 1.08), dice);
                 pebble.x = dice.uniform(0.0, side);
                 pebble.y = dice.uniform(0.0, side);

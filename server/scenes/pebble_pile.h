@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <stop_token>
 #include <vector>
 
 #include "server/scenes/pebble.h"
@@ -25,7 +26,8 @@ struct PebblePile {
     }
 };
 
-/// The same arguments give the same pile on every machine. `texel` scales all sizes.
-PebblePile lay_pebbles(std::int32_t side, double texel, std::uint64_t seed);
+/// The same arguments give the same pile on every machine. `texel` scales all sizes. Once `stop` is asked
+/// for, no more stones are laid.
+PebblePile lay_pebbles(std::int32_t side, double texel, std::uint64_t seed, const std::stop_token& stop = {});
 
 }  // namespace tessera

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "server/prepare/recorded.h"
 #include "server/progress/progress.h"
 #include "server/scene/image_file.h"
+#include "shared/page/opening_view.h"
 #include "shared/result/result.h"
 
 namespace tessera {
@@ -20,6 +22,7 @@ struct Sample {
     std::string_view attribution;
     Source source = Source::photograph;
     ExchangeMethod method = ExchangeMethod::content_exchange;  ///< Of what is made of an image.
+    std::optional<OpeningView> view{};  ///< Of a painted one; empty: the middle at level 1 is a good place.
 };
 
 const std::vector<Sample>& all_samples();

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -67,6 +68,9 @@ class ExchangeTexture : public Texture {
     /// What each texel of a level-0 region shows without blending: 0 the tile, else 1 + the number of the
     /// content, counted through all patches, dropped ones left out. Rows of region.width.
     virtual Result<std::vector<std::uint32_t>> sources(const TexelRegion& region) const = 0;
+
+    /// The level where a unit that is drawn by itself is one texel; nothing where units tell of others.
+    virtual std::optional<int> unit_level() const noexcept { return std::nullopt; }
 
     /// The same decisions for one to three other images.
     virtual std::shared_ptr<const ExchangeData> with_texels(std::span<const DataImages> images) const = 0;

@@ -60,6 +60,7 @@ constexpr std::string_view method_name(ExchangeMethod method) noexcept {
 /// kept in files; read_exchange_asset() has checked it.
 struct ExchangeAsset {
     static constexpr int max_contents = 255;  ///< Of a patch, beside its own.
+    static constexpr int max_groups = 256;
 
     struct Offset {
         std::int32_t x = 0, y = 0;  ///< The exemplar texel that lies on the box's first texel.
@@ -88,6 +89,10 @@ struct ExchangeAsset {
         /// patch map. interchange: exactly one. wang: one for each tile.
         std::vector<Content> contents;
         Set set = Set::none;
+        /// interchange: patches of one group, 1 to max_groups, are shown together, or none of them. They do
+        /// not overlap, are in no set, and reach over several tiles: x and y are below 8·side. 0: shown
+        /// alone.
+        std::uint16_t group = 0;
     };
     /// Further images, aligned with the exemplar texel by texel: decisions are made once and shared.
     struct Channel {

@@ -41,13 +41,15 @@ ExchangeLayout::ExchangeLayout(const ExchangeAsset& asset, const ExchangeOptions
       tile_level{std::countr_zero(static_cast<std::uint32_t>(asset.tile_side))},
       shapes{asset, blend_radius(asset, options)},
       spans{shapes, tile_level},
-      variants{make_variants(asset, shapes, options)} {
+      variants{make_variants(asset, shapes, options)},
+      joined{asset, shapes, asset.method == ExchangeMethod::interchange && options.choice == Choice::typed} {
     unit_level = tile_level + std::countr_zero(static_cast<std::uint32_t>(variants.unit_tiles));
-    if (choice == Choice::typed) tree.emplace(options.seed, types_of(method, options));
+    if (choice == Choice::typed) tree.emplace(options.seed, types_of(method, options), variants.apart);
     if (choice == Choice::independent) independent.emplace(options.seed, shapes);
     if (choice == Choice::kolar) kolar.emplace(asset, shapes, options.seed);
 
     variants.sort([&](const Shown& a, const Shown& b) { return top_of(a) < top_of(b); });
+    if (joined.joins()) joined_variants = joined.joined(variants, tile_side);
     for (std::size_t s = 0; s < shapes.size(); ++s) tallest = std::max(tallest, shapes[s].height);
     const auto reach = [&](const Shown& shown, std::int32_t unit_tiles) {
         const Shapes::Shape& shape = shapes[shown.shape];
@@ -66,7 +68,7 @@ ExchangeLayout::ExchangeLayout(const ExchangeAsset& asset, const ExchangeOptions
     if (kolar) overhang = tile_side;  // a rhombus reaches half a tile over, and its blending little more
 }
 
-UnitGrid ExchangeLayout::shown_at(const TexelRegion& region) const {
+UnitGrid ExchangeLayout::shown_at(const TexelRegion& region, const Variants& lists) const {
     const int shift = unit_level - region.level;
     // A texel of the overhang's width before the region may still reach into it
     const std::int64_t before = (overhang + (std::int64_t{1} << region.level) - 1) >> region.level;
@@ -74,11 +76,11 @@ UnitGrid ExchangeLayout::shown_at(const TexelRegion& region) const {
     const std::int64_t after = choice == Choice::kolar ? 1 : 0;
     const std::int64_t x = (region.x - before) >> shift, y = (region.y - before) >> shift;
     return shown_by(x, y, ((region.x + region.width - 1) >> shift) + after - x + 1,
-                    ((region.y + region.height - 1) >> shift) + after - y + 1);
+                    ((region.y + region.height - 1) >> shift) + after - y + 1, lists);
 }
 
-UnitGrid ExchangeLayout::shown_by(std::int64_t x, std::int64_t y, std::int64_t width,
-                                  std::int64_t height) const {
+UnitGrid ExchangeLayout::shown_by(std::int64_t x, std::int64_t y, std::int64_t width, std::int64_t height,
+                                  const Variants& lists) const {
     UnitGrid grid{x, y, width, height};
     std::optional<TypeGrid> types;
     if (tree)
@@ -86,7 +88,7 @@ UnitGrid ExchangeLayout::shown_by(std::int64_t x, std::int64_t y, std::int64_t w
     for (std::int64_t row = y; row < y + height; ++row)
         for (std::int64_t column = x; column < x + width; ++column) {
             if (types) {
-                grid.at(column, row) = variants.of(types->at(column, row));
+                grid.at(column, row) = lists.of(types->at(column, row));
                 continue;
             }
             std::vector<Shown> shown =
@@ -108,8 +110,8 @@ std::span<const Shown> ExchangeLayout::rows_of(std::span<const Shown> shown, std
 }
 
 std::size_t ExchangeLayout::memory_bytes() const noexcept {
-    return shapes.memory_bytes() + spans.memory_bytes() + variants.memory_bytes() +
-           (tree ? tree->memory_bytes() : 0);
+    return shapes.memory_bytes() + spans.memory_bytes() + variants.memory_bytes() + joined.memory_bytes() +
+           joined_variants.memory_bytes() + (tree ? tree->memory_bytes() : 0);
 }
 
 }  // namespace tessera

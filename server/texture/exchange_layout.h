@@ -6,10 +6,12 @@
 
 #include "server/texture/exchange.h"
 #include "server/texture/independent_choice.h"
+#include "server/texture/joined_shapes.h"
 #include "server/texture/kolar_choice.h"
 #include "server/texture/shapes.h"
 #include "server/texture/stamps.h"
 #include "server/texture/unit_choice.h"
+#include "server/texture/unit_tree.h"
 
 namespace tessera {
 
@@ -27,8 +29,10 @@ struct ExchangeLayout {
     Shapes shapes;
     StampSpans spans;
     // choice: typed
-    std::optional<TypedQuadtree> tree;
+    std::optional<UnitTree> tree;
     Variants variants;
+    JoinedShapes joined;
+    Variants joined_variants;  ///< Where shapes are joined.
     // the others, whose units are tiles
     std::optional<IndependentChoice> independent;
     std::optional<KolarChoice> kolar;
@@ -36,9 +40,15 @@ struct ExchangeLayout {
     ExchangeLayout(const ExchangeAsset& asset, const ExchangeOptions& options);
 
     /// What the units show that a region up to the unit's level meets, or whose shapes reach into it.
-    UnitGrid shown_at(const TexelRegion& region) const;
+    UnitGrid shown_at(const TexelRegion& region) const { return shown_at(region, variants); }
+    /// The same, of joined shapes.
+    UnitGrid joined_at(const TexelRegion& region) const {
+        return shown_at(region, joined.joins() ? joined_variants : variants);
+    }
     /// What the units of a rectangle show.
-    UnitGrid shown_by(std::int64_t x, std::int64_t y, std::int64_t width, std::int64_t height) const;
+    UnitGrid shown_by(std::int64_t x, std::int64_t y, std::int64_t width, std::int64_t height) const {
+        return shown_by(x, y, width, height, variants);
+    }
     /// How far the shapes of a unit reach over its right or lower border at most, in texels of level 0.
     std::int32_t overhang = 0;
     std::int32_t tallest = 0;    ///< Of all boxes.
@@ -48,6 +58,9 @@ struct ExchangeLayout {
     std::size_t memory_bytes() const noexcept;
 
   private:
+    UnitGrid shown_at(const TexelRegion& region, const Variants& lists) const;
+    UnitGrid shown_by(std::int64_t x, std::int64_t y, std::int64_t width, std::int64_t height,
+                      const Variants& lists) const;
     /// First row of the box, relative to the unit: the order of lists.
     std::int64_t top_of(const Shown& one) const noexcept {
         return std::int64_t{one.tile_y} * tile_side + shapes.box(one.shape).y;

@@ -1,60 +1,12 @@
 #include <algorithm>
-#include <bit>
 
 #include "server/texture/exchange_walk.h"
 #include "server/texture/kernels.h"
+#include "server/texture/texel_bits.h"
 #include "shared/math/srgb.h"
 
 namespace tessera {
 namespace {
-
-/// Rows that are blended together: few enough that their sums stay in a near cache.
-constexpr std::int32_t band_rows = 16;
-
-/// Rows of yes and no for every texel.
-class TexelBits {
-  public:
-    TexelBits(std::int32_t width, std::int32_t rows)
-        : words_{std::size_t(width + 63) / 64}, bits_(words_ * std::size_t(rows)) {}
-
-    std::size_t words() const noexcept { return words_; }
-    std::uint64_t* row(std::int32_t row) noexcept { return bits_.data() + std::size_t(row) * words_; }
-    void clear_row(std::int32_t index) noexcept { std::fill_n(row(index), words_, 0); }
-    /// Sets [left, right) of a row, not empty.
-    void set(std::int32_t index, std::int32_t left, std::int32_t right) noexcept {
-        std::uint64_t* const words = row(index);
-        for_words(left, right, [&](std::int32_t word, std::uint64_t bits) { words[word] |= bits; });
-    }
-    /// Calls `visit(word, bits)` for each word of a row that [left, right), not empty, has bits in.
-    template <class Visit>
-    static void for_words(std::int32_t left, std::int32_t right, const Visit& visit) {
-        std::int32_t word = left / 64;
-        const std::int32_t last = (right - 1) / 64;
-        std::uint64_t bits = ~std::uint64_t{0} << left % 64;
-        for (; word != last; bits = ~std::uint64_t{0}) visit(word++, bits);
-        visit(last, bits & ~std::uint64_t{0} >> (63 - (right - 1) % 64));
-    }
-
-  private:
-    std::size_t words_;
-    std::vector<std::uint64_t> bits_;
-};
-
-/// Calls `visit(left, right)` for every run of set bits below `width`.
-template <class Visit>
-void for_runs(const std::uint64_t* words, std::int32_t width, const Visit& visit) {
-    const auto find = [&](std::int32_t from, std::uint64_t flip) {
-        for (; from < width; from = (from | 63) + 1)
-            if (const std::uint64_t rest = (words[from / 64] ^ flip) >> from % 64; rest != 0)
-                return std::min(width, from + std::countr_zero(rest));
-        return width;
-    };
-    for (std::int32_t left = find(0, 0); left < width;) {
-        const std::int32_t right = find(left, ~std::uint64_t{0});
-        visit(left, right);
-        left = find(right, 0);
-    }
-}
 
 /// Of a step or, in steps times weight_one, of blended ones, which are no more than 65535.
 void put_linear(float* rgb, std::int32_t red, std::int32_t green, std::int32_t blue, float one) {
@@ -67,25 +19,20 @@ void put_linear(float* rgb, std::int32_t red, std::int32_t green, std::int32_t b
 
 /// Rows of level 0 under way: what is copied stands in the output already, what is blended is summed until
 /// all shapes have been added. Integers, so that their order does not matter.
-class ExchangeWalk::Level0Band {
+class ExchangeWalk::Level0Sums {
   public:
-    Level0Band(const ExchangeWalk& walk, const Block& block)
+    Level0Sums(const ExchangeWalk& walk, const Block& block)
         : walk_{walk},
           block_{block},
-          rows_{std::min(block.height, band_rows)},
+          rows_{std::min(block.height, level_0_rows)},
           covered_{block.width, rows_},
-          blended_{block.width, rows_},
           summed_{block.width, rows_},
-          met_{block.width, rows_},
           sums_(walk.sources_.size() * texels() * 4 + 64),
           linear_{walk.codes_ == nullptr ? walk.sources_.size() : 0, block.width, rows_} {}
 
     void begin(std::int32_t first, std::int32_t count) {
         first_ = first;
         count_ = count;
-        // The tile lies under all shapes: to copy all of it is cheaper than to find out where it shows
-        if (walk_.codes_ != nullptr)
-            for (std::int32_t row = 0; row < count; ++row) copy_tile(row, 0, block_.width);
     }
 
     /// A shape whose box begins at (x, y) of the block.
@@ -105,11 +52,11 @@ class ExchangeWalk::Level0Band {
                 const auto in_box = static_cast<std::int32_t>(left - x);
                 const std::int32_t u = shape.from_x + in_box, v = shape.from_y + line;
                 texels += static_cast<std::uint64_t>(right - left);
-                if (walk_.codes_ == nullptr) covered_.set(row, left, right);
+                covered_.set(row, left, right);
                 if (segment.weights == Shapes::Segment::all_one)
                     copy(&ExchangeTexels::exemplar, u, v, right - left, row, left);
                 else
-                    blend({&segment, in_box - segment.begin, u, v, row, left, right});
+                    sum({&segment, in_box - segment.begin, u, v, row, left, right});
             }
         }
         return texels;
@@ -117,13 +64,6 @@ class ExchangeWalk::Level0Band {
 
     /// Writes what was blended, and the tile where no shape is, and is ready for the next band.
     void finish() {
-        if (walk_.codes_ != nullptr) {
-            kernels().copy(copies_.data(), copies_.size());
-            copies_.clear();
-        }
-        for (const Run& run : runs_)
-            if (walk_.codes_ == nullptr || meets_others(run)) sum(run);
-        runs_.clear();
         kernels().blend(code_runs_.data(), code_runs_.size());
         kernels().blend_steps(step_runs_.data(), step_runs_.size());
         code_runs_.clear();
@@ -135,10 +75,10 @@ class ExchangeWalk::Level0Band {
                               put_blended(row, x, width, u, v);
                           });
             });
-            if (walk_.codes_ == nullptr) copy_uncovered(row);
-            for (TexelBits* bits : {&covered_, &blended_, &summed_, &met_}) bits->clear_row(row);
+            copy_uncovered(row);
+            for (TexelBits* bits : {&covered_, &summed_}) bits->clear_row(row);
         }
-        if (walk_.codes_ == nullptr) walk_.put(block_, first_, count_, linear_);
+        walk_.put(block_, first_, count_, linear_);
     }
 
   private:
@@ -153,9 +93,6 @@ class ExchangeWalk::Level0Band {
     std::int32_t* sums(std::size_t source, std::int32_t row, std::int32_t x) {
         return sums_.data() +
                (source * texels() + std::size_t(row) * std::size_t(block_.width) + std::size_t(x)) * 4;
-    }
-    std::uint8_t* codes_at(std::int32_t row, std::int32_t x) const {
-        return walk_.codes_->row(block_.out_y + first_ + row) + std::ptrdiff_t(block_.out_x + x) * 4;
     }
 
     /// Calls `visit(x, width, u, v)` for pieces of [left, right) of a row that begin at the tile's texel (u,
@@ -188,11 +125,6 @@ class ExchangeWalk::Level0Band {
 
     void copy(TexelSource ExchangeTexels::*image, std::int32_t u, std::int32_t v, std::int32_t width,
               std::int32_t row, std::int32_t x) {
-        if (walk_.codes_ != nullptr) {
-            copies_.push_back(
-                {(walk_.sources_[0]->*image).code_row(v) + std::ptrdiff_t{u} * 4, codes_at(row, x), width});
-            return;
-        }
         for (std::size_t s = 0; s < walk_.sources_.size(); ++s) {
             const TexelSource& from = walk_.sources_[s]->*image;
             float* rgb = linear_.row(s, row) + std::ptrdiff_t{x} * 3;
@@ -206,26 +138,6 @@ class ExchangeWalk::Level0Band {
                 put_linear(rgb, from.step(u + i, v, 0), from.step(u + i, v, 1), from.step(u + i, v, 2),
                            linear_one);
         }
-    }
-
-    /// What becomes of the run if no other shape blends there is known; whether one does shows later.
-    void blend(const Run& run) {
-        std::uint64_t *blended = blended_.row(run.row), *met = met_.row(run.row);
-        TexelBits::for_words(run.left, run.right, [&](std::int32_t word, std::uint64_t bits) {
-            met[word] |= blended[word] & bits;
-            blended[word] |= bits;
-        });
-        runs_.push_back(run);
-        if (walk_.codes_ != nullptr)
-            copies_.push_back({walk_.sources_[0]->edges.of(*run.segment) + std::ptrdiff_t{run.in_segment} * 4,
-                               codes_at(run.row, run.left), run.right - run.left});
-    }
-    bool meets_others(const Run& run) {
-        std::uint64_t others = 0;
-        const std::uint64_t* met = met_.row(run.row);
-        TexelBits::for_words(run.left, run.right,
-                             [&](std::int32_t word, std::uint64_t bits) { others |= met[word] & bits; });
-        return others != 0;
     }
 
     /// weight·(content − tile) on top of what other shapes add.
@@ -251,12 +163,6 @@ class ExchangeWalk::Level0Band {
     }
 
     void put_blended(std::int32_t row, std::int32_t x, std::int32_t width, std::int32_t u, std::int32_t v) {
-        if (walk_.codes_ != nullptr) {
-            kernels().encode_blended(sums(0, row, x),
-                                     walk_.sources_[0]->tile.code_row(v) + std::ptrdiff_t{u} * 4, width,
-                                     codes_at(row, x));
-            return;
-        }
         for (std::size_t s = 0; s < walk_.sources_.size(); ++s) {
             const TexelSource& tile = walk_.sources_[s]->tile;
             std::int32_t* sum = sums(s, row, x);
@@ -275,24 +181,20 @@ class ExchangeWalk::Level0Band {
     const std::int32_t rows_;
     std::int32_t first_ = 0, count_ = 0;
     TexelBits covered_;               ///< By some shape.
-    TexelBits blended_;               ///< By some shape, with the tile or another.
     TexelBits summed_;                ///< Sums are to be added to the tile.
-    TexelBits met_;                   ///< Blended by two shapes and more.
     std::vector<std::int32_t> sums_;  ///< Of each source, RGBA.
-    std::vector<Run> runs_;
-    std::vector<Kernels::CopyRun> copies_;
     std::vector<Kernels::BlendRun<std::uint8_t>> code_runs_;
     std::vector<Kernels::BlendRun<std::uint16_t>> step_runs_;
     SumRows linear_;
 };
 
-Result<Evaluation> ExchangeWalk::blend_texels(const Block& block, const Budget& budget) const {
+Result<Evaluation> ExchangeWalk::blend_linear(const Block& block, const Budget& budget) const {
     UnitGrid shown = layout_.shown_at({0, block.x, block.y, block.width, block.height});
-    Level0Band band{*this, block};
+    Level0Sums band{*this, block};
     std::uint64_t work = 0;
-    for (std::int32_t first = 0; first < block.height; first += band_rows) {
+    for (std::int32_t first = 0; first < block.height; first += level_0_rows) {
         if (auto spent = check_budget(budget); !spent) return spent.error();
-        const std::int32_t count = std::min(band_rows, block.height - first);
+        const std::int32_t count = std::min(level_0_rows, block.height - first);
         band.begin(first, count);
         for (std::int64_t uy = shown.y; uy < shown.y + shown.height; ++uy)
             for (std::int64_t ux = shown.x; ux < shown.x + shown.width; ++ux) {

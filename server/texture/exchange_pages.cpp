@@ -39,7 +39,7 @@ Result<Evaluation> ExchangeWalk::evaluate(const TexelRegion& region, const Budge
 Result<Evaluation> ExchangeWalk::evaluate_block(const Block& block, const Budget& budget) const {
     if (block.level == 0 && block.width * block.height == 1 && codes_ != nullptr && layout_.tree)
         return one_texel(block, budget);
-    if (block.level == 0) return blend_texels(block, budget);
+    if (block.level == 0) return codes_ != nullptr ? blend_codes(block, budget) : blend_linear(block, budget);
     if (layout_.choice == Choice::typed) {
         if (block.level >= layout_.unit_level) return look_up_nodes(block, budget);
         // The same for all sources: shapes decide how large images are

@@ -14,7 +14,7 @@ ExchangeTexels::ExchangeTexels(const ExchangeLayout& layout, TexelSource exempla
                                const TexelSource& tile_image)
     : exemplar{std::move(exemplar_image)},
       tile{tile_image.repeated(layout.tile_side + layout.shapes.widest())},
-      edges{exemplar.has_codes() ? EdgeCodes{layout.shapes, exemplar, tile} : EdgeCodes{}},
+      edges{exemplar.has_codes() ? EdgeCodes{layout.shapes, layout.joined, exemplar, tile} : EdgeCodes{}},
       tile_levels{tile_image},
       stamps{layout.shapes, layout.spans, exemplar, tile, layout.tile_level} {
     const int tile_level = layout.tile_level;

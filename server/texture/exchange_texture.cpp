@@ -134,18 +134,40 @@ std::string CompiledExchange::description() const {
     return text.str();
 }
 
+namespace {
+
+/// Texels from the first to the last of each row of a shape.
+std::size_t spanned_texels(const BitMask& shape) {
+    std::size_t texels = 0;
+    for (std::int32_t y = 0; y < shape.height; ++y) {
+        std::int32_t begin = 0, end = shape.width;
+        while (begin < end && !shape.at(begin, y)) ++begin;
+        while (end > begin && !shape.at(end - 1, y)) --end;
+        texels += static_cast<std::size_t>(end - begin);
+    }
+    return texels;
+}
+
+}  // namespace
+
 std::size_t exchange_bytes(const ExchangeAsset& asset, const ExchangeOptions& options) {
     const auto area = [](std::int32_t width, std::int32_t height) {
         return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     };
     const std::int32_t margin = 2 * blend_radius(asset, options);
-    std::size_t bytes = 0;
+    std::size_t bytes = 0, alone = 0;
     std::int32_t widest = 0;
     for (const auto& patch : asset.patches) {
         const std::size_t box = area(patch.width + margin, patch.height + margin);
+        const std::size_t rim = area(margin, patch.width + patch.height + margin);
         widest = std::max(widest, patch.width + margin);
-        // A weight, and stamps of all levels: a third of the box, and half as much again where boxes round up
-        bytes += patch.contents.size() * (box * 8 + std::size_t(patch.height + margin) * 64 + 1024);
+        alone += patch.group == 0;
+        // A weight, and stamps of all levels: a third of the texels, and half as much again where rows round
+        // up. Patches of groups are thousands, and many of them far smaller than their boxes
+        for (const auto& content : patch.contents) {
+            const std::size_t texels = patch.group == 0 ? box : spanned_texels(content.shape) + rim;
+            bytes += texels * 8 + std::size_t(patch.height + margin) * 64 + 1024;
+        }
     }
     // Codes and linear steps; the tile's levels; images of variants, their lists and tables of nodes
     bytes += 12 * (area(asset.exemplar.width, asset.exemplar.height) +
@@ -153,11 +175,12 @@ std::size_t exchange_bytes(const ExchangeAsset& asset, const ExchangeOptions& op
     bytes += 24 * area(asset.tile_side, asset.tile_side);
     if (options.choice == Choice::typed) {
         const std::size_t types = types_of(asset.method, options);
-        // Patches of an interchange unit lie on any of its 16 tiles; images are finer than a unit by a level
+        // Patches lie on any of the 16 tiles of an interchange unit, those of groups where their group does;
+        // images are finer than a unit by a level
         const bool packed = asset.method == ExchangeMethod::interchange;
         const std::size_t tiles = asset.method == ExchangeMethod::content_exchange ? 1 : packed ? 16 : 64;
         const std::size_t unit_texels = area(asset.tile_side, asset.tile_side) * tiles;
-        bytes += types * (asset.patches.size() * (packed ? 64 : 4) + 8000);
+        bytes += types * (alone * (packed ? 64 : 4) + (asset.patches.size() - alone) * 4 + 8000);
         bytes += 2 * std::min(max_image_bytes, types * unit_texels * 12);
     }
     return bytes;

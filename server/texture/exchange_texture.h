@@ -22,6 +22,9 @@ class CompiledExchange final : public ExchangeTexture {
     Result<Evaluation> evaluate(const TexelRegion& region, const Budget& budget,
                                 Rgba8Image& out) const override;
     Result<std::vector<std::uint32_t>> sources(const TexelRegion& region) const override;
+    std::optional<int> unit_level() const noexcept override {
+        return layout_->choice == Choice::kolar ? std::nullopt : std::optional{layout_->unit_level};
+    }
     std::shared_ptr<const ExchangeData> with_texels(std::span<const DataImages> images) const override;
 
     std::string_view kind() const noexcept override;

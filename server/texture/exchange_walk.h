@@ -12,7 +12,7 @@ namespace tessera {
 
 /// One evaluation: finds out once what is shown, and sums it for one or several images side by side.
 /// exchange_pages.cpp picks the way for each level, exchange_level_0.cpp copies and blends texels,
-/// exchange_one_texel.cpp a single one.
+/// exchange_level_0_codes.cpp their codes, exchange_one_texel.cpp a single one.
 class ExchangeWalk {
   public:
     using TakeRow = ExchangeData::TakeRow;
@@ -57,12 +57,17 @@ class ExchangeWalk {
         std::size_t size_;
         std::vector<float> values_;
     };
-    class Level0Band;
+    class Level0Sums;
+    class Level0Codes;
+    /// Rows of level 0 that are blended together: few enough that their sums stay in a near cache.
+    static constexpr std::int32_t level_0_rows = 16;
 
     Result<Evaluation> evaluate_block(const Block& block, const Budget& budget) const;
     /// A block of one texel of level 0, as a code, of typed choices.
     Result<Evaluation> one_texel(const Block&, const Budget&) const;
-    Result<Evaluation> blend_texels(const Block&, const Budget&) const;
+    /// Level 0 as linear values, or as codes.
+    Result<Evaluation> blend_linear(const Block&, const Budget&) const;
+    Result<Evaluation> blend_codes(const Block&, const Budget&) const;
     Result<Evaluation> sum_stamps(const Block&, const Budget&) const;
     Result<Evaluation> sum_variants(std::size_t image, const Block&, const Budget&) const;
     Result<Evaluation> look_up_nodes(const Block&, const Budget&) const;

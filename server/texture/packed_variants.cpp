@@ -7,127 +7,34 @@
 #include <utility>
 #include <vector>
 
+#include "server/texture/group_packing.h"
+#include "server/texture/packed_ground.h"
 #include "server/texture/unit_choice.h"
+#include "server/texture/unit_outline.h"
+#include "server/texture/unit_tree.h"
 #include "shared/math/hash.h"
 
 namespace tessera {
 namespace {
 
-/// A unit's outline. A texel (x, y) of the plane belongs to the unit whose number is
-/// (⌊(x − right(y)) / side⌋, ⌊(y − down(x)) / side⌋): units are translates of one another, whatever the two
-/// curves are, and cover the plane. Curves wander over half a tile, so that what lies along them, where no
-/// patch ever crosses, falls on other places of the tile in every tile.
-class Outline {
-  public:
-    /// `side`: of the unit; `tile`: of its tiles; values from `least` on, so that blended shapes begin
-    /// inside.
-    Outline(std::uint64_t seed, std::int32_t side, std::int32_t tile, std::int32_t least)
-        : right_{curve(seed, 0, side, tile, least)}, down_{curve(seed, 1, side, tile, least)}, side_{side} {}
-
-    /// 0 ≤ x, y < 2·side.
-    bool holds(std::int32_t x, std::int32_t y) const noexcept {
-        const std::int32_t u = x - right_[std::size_t(y % side_)], v = y - down_[std::size_t(x % side_)];
-        return u >= 0 && u < side_ && v >= 0 && v < side_;
-    }
-
-  private:
-    /// A periodic curve through hashed heights, four to a tile, straight in between.
-    static std::vector<std::int32_t> curve(std::uint64_t seed, std::uint64_t axis, std::int32_t side,
-                                           std::int32_t tile, std::int32_t least) {
-        const std::int32_t step = std::max(1, tile / 4);
-        const std::int32_t knots = side / step;
-        const auto height = [&](std::int32_t knot) {
-            return least + static_cast<std::int32_t>(
-                               uniform_below(hash(seed, stream("unit outline", axis), knot % knots, 0),
-                                             static_cast<std::uint32_t>(tile / 2)));
-        };
-        std::vector<std::int32_t> out;
-        for (std::int32_t i = 0; i < side; ++i) {
-            const std::int32_t a = height(i / step), b = height(i / step + 1);
-            out.push_back(a + (b - a) * (i % step) / step);
-        }
-        return out;
-    }
-
-    std::vector<std::int32_t> right_, down_;
-    std::int32_t side_;
-};
-
-/// Which texels of a unit and of what hangs over it are taken: rows of 64-bit words, one word more than
-/// needed.
-class Ground {
-  public:
-    Ground(std::int32_t width, std::int32_t height)
-        : words_(std::size_t(width) / 64 + 2), bits_(words_ * std::size_t(height)) {}
-
-    void take(std::int32_t x, std::int32_t y) noexcept {
-        bits_[std::size_t(y) * words_ + std::size_t(x) / 64] |= std::uint64_t{1} << x % 64;
-    }
-    std::uint64_t* row(std::int32_t y) noexcept { return bits_.data() + std::size_t(y) * words_; }
-
-  private:
-    std::size_t words_;
-    std::vector<std::uint64_t> bits_;
-};
-
-/// A shape's texels without blending, ready to be laid on the ground.
+/// A shape that is shown alone.
 struct Piece {
     std::uint16_t shape = 0;
     std::int32_t x = 0, y = 0;  ///< On the tile, 0 to side − 1.
-    std::int32_t words = 0;     ///< A row's.
-    std::int32_t height = 0;
-    std::vector<std::uint64_t> bits;
-    std::int32_t texels = 0;
+    PackedPiece texels;
 };
 
 std::vector<Piece> pieces_of(const ExchangeAsset& asset, const Shapes& shapes) {
     std::vector<Piece> pieces;
     for (std::size_t s = 0; s < shapes.size(); ++s) {
         const ExchangeAsset::Patch& patch = asset.patches[shapes[s].patch];
+        if (patch.group != 0) continue;
         const BitMask& mask = patch.contents[shapes[s].content].shape;
-        Piece piece;
-        piece.shape = static_cast<std::uint16_t>(s);
-        piece.x = patch.x & (asset.tile_side - 1);
-        piece.y = patch.y & (asset.tile_side - 1);
-        piece.words = (mask.width + 63) / 64;
-        piece.height = mask.height;
-        piece.bits.resize(std::size_t(piece.words) * std::size_t(mask.height));
-        for (std::int32_t y = 0; y < mask.height; ++y)
-            for (std::int32_t x = 0; x < mask.width; ++x)
-                if (mask.at(x, y)) {
-                    piece.bits[std::size_t(y * piece.words + x / 64)] |= std::uint64_t{1} << x % 64;
-                    ++piece.texels;
-                }
-        pieces.push_back(std::move(piece));
+        pieces.push_back({static_cast<std::uint16_t>(s), patch.x & (asset.tile_side - 1),
+                          patch.y & (asset.tile_side - 1), PackedPiece{mask.width, mask.height}});
+        pieces.back().texels.add(mask, 0, 0);
     }
     return pieces;
-}
-
-/// Whether the piece lies on free ground only. Begins with the middle, where it is widest.
-bool fits(const Piece& piece, std::int32_t x, std::int32_t y, Ground& ground) {
-    const int shift = x % 64;
-    for (std::int32_t i = 0, row = piece.height / 2; i < piece.height; ++i, ++row) {
-        if (row == piece.height) row = 0;
-        const std::uint64_t* from = piece.bits.data() + std::ptrdiff_t{row} * piece.words;
-        const std::uint64_t* to = ground.row(y + row) + x / 64;
-        for (std::int32_t w = 0; w < piece.words; ++w) {
-            if ((from[w] << shift & to[w]) != 0) return false;
-            if (shift > 0 && (from[w] >> (64 - shift) & to[w + 1]) != 0) return false;
-        }
-    }
-    return true;
-}
-
-void lay(const Piece& piece, std::int32_t x, std::int32_t y, Ground& ground) {
-    const int shift = x % 64;
-    for (std::int32_t row = 0; row < piece.height; ++row) {
-        const std::uint64_t* from = piece.bits.data() + std::ptrdiff_t{row} * piece.words;
-        std::uint64_t* to = ground.row(y + row) + x / 64;
-        for (std::int32_t w = 0; w < piece.words; ++w) {
-            to[w] |= from[w] << shift;
-            if (shift > 0) to[w + 1] |= from[w] >> (64 - shift);
-        }
-    }
 }
 
 /// What the places of the tile have shown so far, over all units that are packed: each one's sum of how far
@@ -174,9 +81,9 @@ class Evenness {
                 gain -= std::int64_t{sums_[place]} * step;
             });
             const std::int64_t texels =
-                piece.texels + doubled * gain / (variance_ * std::max<std::int64_t>(occurrences_, 1));
+                piece.texels.texels + doubled * gain / (variance_ * std::max<std::int64_t>(occurrences_, 1));
             worths.push_back(
-                static_cast<std::uint64_t>(std::max<std::int64_t>(texels, 1 + piece.texels / 64)));
+                static_cast<std::uint64_t>(std::max<std::int64_t>(texels, 1 + piece.texels.texels / 64)));
         }
         return worths;
     }
@@ -265,19 +172,25 @@ void sort_by_bits(int from, std::vector<std::uint64_t>& numbers, std::vector<std
 /// A list is maximal: patches are tried in a random order, those first that are large and even out what the
 /// lists before it show, and shown if they overlap none that is shown already. The paper draws few
 /// (η = 10 / |patches|) and thins them out (algorithm 2), which leaves more of the repeating tile in sight.
+/// Groups are laid before single patches: where several fill a unit, little is left of the tile.
 Variants packed_variants(const ExchangeAsset& asset, const Shapes& shapes, std::uint64_t seed,
                          std::uint32_t types) {
-    constexpr std::int32_t unit_tiles = 4;
+    constexpr std::int32_t unit_tiles = UnitOutline::tiles;
     constexpr std::uint64_t order_stream = stream("order of patches");
     const std::int32_t tile = asset.tile_side, side = unit_tiles * tile;
     const std::vector<Piece> pieces = pieces_of(asset, shapes);
+    const std::vector<ShownGroup> groups = groups_of(asset, shapes);
 
     // Everything outside the outline is taken
-    const Outline outline{seed, side, tile, shapes.radius()};
+    const UnitOutline outline = groups.empty()
+                                    ? UnitOutline{seed, tile, shapes.radius()}
+                                    : UnitOutline{UnitOutline::seed_of_groups, tile, asset.blend_texels / 2};
     std::int32_t reach = 0;
-    for (const Piece& piece : pieces) reach = std::max({reach, piece.words * 64, piece.height});
+    for (const ShownGroup& group : groups)
+        reach = std::max({reach, group.piece.words * 64, group.piece.height});
+    for (const Piece& piece : pieces) reach = std::max({reach, piece.texels.words * 64, piece.texels.height});
     const std::int32_t ground_side = side + tile + reach;
-    Ground bare{ground_side, ground_side};
+    PackedGround bare{ground_side, ground_side};
     for (std::int32_t y = 0; y < ground_side; ++y)
         for (std::int32_t x = 0; x < ground_side; ++x)
             if (x >= 2 * side || y >= 2 * side || !outline.holds(x, y)) bare.take(x, y);
@@ -291,9 +204,12 @@ Variants packed_variants(const ExchangeAsset& asset, const Shapes& shapes, std::
     for (std::size_t i = 0; i < pieces.size(); ++i)
         for (std::int8_t ty = 0; ty <= unit_tiles; ++ty)
             for (std::int8_t tx = 0; tx <= unit_tiles; ++tx)
-                if (fits(pieces[i], pieces[i].x + tx * tile, pieces[i].y + ty * tile, bare))
+                if (fits(pieces[i].texels, pieces[i].x + tx * tile, pieces[i].y + ty * tile, bare))
                     places.push_back({static_cast<std::uint32_t>(i), tx, ty});
 
+    GroupPacking packing{groups, tile, bare, ground_side};
+    const GroupPacking::Classes classes = packing.classes(seed);
+    std::vector<std::vector<GroupPacking::Place>> grouped(types);
     const int place_bits = static_cast<int>(std::bit_width(places.size()));
     const std::uint64_t most_worth = ~std::uint64_t{0} >> place_bits;
 
@@ -312,13 +228,23 @@ Variants packed_variants(const ExchangeAsset& asset, const Shapes& shapes, std::
         }
         for (std::size_t i = 0; i < places.size(); ++i) order[i] = (largest - order[i]) << place_bits | i;
         sort_by_bits(place_bits, order, scratch);
-        Ground ground = bare;
+        PackedGround ground = bare;
+        grouped[type] =
+            classes.apart > 0 ? classes.shown[type % UnitTree::classes] : packing.chosen(seed, type);
+        for (const GroupPacking::Place& place : grouped[type]) {
+            lay(groups[place.group].piece, place.x, place.y, ground);
+            for (Shown shown : groups[place.group].shapes) {
+                shown.tile_x = static_cast<std::int8_t>(shown.tile_x + place.tile_x);
+                shown.tile_y = static_cast<std::int8_t>(shown.tile_y + place.tile_y);
+                lists[type].push_back(shown);
+            }
+        }
         for (const std::uint64_t next : order) {
             const Place& place = places[next & ((std::uint64_t{1} << place_bits) - 1)];
             const Piece& piece = pieces[place.piece];
             const std::int32_t x = piece.x + place.tile_x * tile, y = piece.y + place.tile_y * tile;
-            if (!fits(piece, x, y, ground)) continue;
-            lay(piece, x, y, ground);
+            if (!fits(piece.texels, x, y, ground)) continue;
+            lay(piece.texels, x, y, ground);
             lists[type].push_back({piece.shape, place.tile_x, place.tile_y});
         }
     };
@@ -339,12 +265,15 @@ Variants packed_variants(const ExchangeAsset& asset, const Shapes& shapes, std::
                 helpers.emplace_back(run);
             run();
         }
-        for (std::uint32_t type = first; type < end; ++type)
+        for (std::uint32_t type = first; type < end; ++type) {
             evenness.add(lists[type], unit_tiles * unit_tiles);
+            packing.add(grouped[type]);
+        }
     }
 
     Variants variants;
     variants.unit_tiles = unit_tiles;
+    variants.apart = classes.apart;
     for (const auto& list : lists) variants.add(list);
     return variants;
 }

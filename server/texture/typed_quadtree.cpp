@@ -1,5 +1,6 @@
 #include "server/texture/typed_quadtree.h"
 
+#include <algorithm>
 #include <bit>
 #include <utility>
 
@@ -28,6 +29,16 @@ TypedQuadtree::TypedQuadtree(std::uint64_t seed, std::uint32_t types, int below)
                 children_[static_cast<std::size_t>(height - 1) * types + type][child] =
                     deck[type * 4 + child];
     }
+    // −1 is the last child of its parent, which is −1 again; 0 is the first one
+    origin_.resize(static_cast<std::size_t>(top_) + 1);
+    for (std::size_t quadrant = 0; quadrant < 4; ++quadrant) {
+        std::uint16_t type = root((quadrant & 1) != 0 ? -1 : 0, (quadrant & 2) != 0 ? -1 : 0, 0);
+        for (int height = top_;; --height) {
+            origin_[static_cast<std::size_t>(height)][quadrant] = type;
+            if (height == 0) break;
+            type = children(height, type)[quadrant];
+        }
+    }
 }
 
 std::uint16_t TypedQuadtree::root(std::int64_t x, std::int64_t y, std::int64_t z) const noexcept {
@@ -43,14 +54,38 @@ TypedQuadtree::Square TypedQuadtree::square_at(std::int64_t x, std::int64_t y, i
     const auto apart = static_cast<std::uint64_t>((x ^ (x + across)) | (y ^ (y + down)));
     const auto common = static_cast<int>(std::bit_width(apart));
     const bool one_root = common <= top_;
-    const std::uint16_t shared =
-        one_root ? descend(root(x >> top_, y >> top_, 0), top_, common, x, y) : std::uint16_t{0};
+    const int from = origin_height(x, y);
+    const std::uint16_t shared = !one_root     ? std::uint16_t{0}
+                                 : from > top_ ? descend(root(x >> top_, y >> top_, 0), top_, common, x, y)
+                                               : descend(under_origin(std::max(from, common), x, y),
+                                                         std::max(from, common), common, x, y);
     for (int v = 0; v <= down; ++v)
         for (int u = 0; u <= across; ++u)
             square.at[std::size_t(v)][std::size_t(u)] =
                 one_root ? descend(shared, common, 0, x + u, y + v)
                          : descend(root((x + u) >> top_, (y + v) >> top_, 0), top_, 0, x + u, y + v);
     return square;
+}
+
+void write_children(const TypeGrid& parents, const std::array<std::uint16_t, 4>* families, std::int64_t x,
+                    std::int64_t y, std::int64_t width, std::int64_t height, TypeGrid& children) {
+    children.x = x & ~std::int64_t{1};
+    children.y = y & ~std::int64_t{1};
+    children.width = static_cast<std::int32_t>(((x + width - 1) | 1) - children.x + 1);
+    children.height = static_cast<std::int32_t>(((y + height - 1) | 1) - children.y + 1);
+    children.types.resize(std::size_t(children.width) * std::size_t(children.height));
+    for (std::int32_t row = 0; row < children.height; row += 2) {
+        const std::uint16_t* above = parents.row((children.y + row) >> 1) + ((children.x >> 1) - parents.x);
+        std::uint16_t* upper = children.types.data() + std::ptrdiff_t(row) * children.width;
+        std::uint16_t* lower = upper + children.width;
+        for (std::int32_t column = 0; column < children.width; column += 2) {
+            const auto& family = families[above[column >> 1]];
+            upper[column] = family[0];
+            upper[column + 1] = family[1];
+            lower[column] = family[2];
+            lower[column + 1] = family[3];
+        }
+    }
 }
 
 TypeGrid TypedQuadtree::types_of(int height, std::int64_t x, std::int64_t y, std::int32_t width,
@@ -90,28 +125,11 @@ TypeGrid TypedQuadtree::types_of(int height, std::int64_t x, std::int64_t y, std
         grid.types.front() = type;
     }
     for (; at_height > height; --at_height) {
-        // Keep the parents of what is needed below, and write whole families: a node more on a side does no
-        // harm
         const int up = at_height - 1 - height;
-        const std::int64_t last_x = (x + width - 1) >> up, last_y = (y + height_nodes - 1) >> up;
-        below.x = (x >> up) & ~std::int64_t{1};
-        below.y = (y >> up) & ~std::int64_t{1};
-        below.width = static_cast<std::int32_t>((last_x | 1) - below.x + 1);
-        below.height = static_cast<std::int32_t>((last_y | 1) - below.y + 1);
-        below.types.resize(std::size_t(below.width) * std::size_t(below.height));
-        const auto* families = &children_[static_cast<std::size_t>(at_height - 1) * types_];
-        for (std::int32_t row = 0; row < below.height; row += 2) {
-            const std::uint16_t* parents = grid.row((below.y + row) >> 1) + ((below.x >> 1) - grid.x);
-            std::uint16_t* upper = below.types.data() + std::ptrdiff_t(row) * below.width;
-            std::uint16_t* lower = upper + below.width;
-            for (std::int32_t column = 0; column < below.width; column += 2) {
-                const auto& family = families[parents[column >> 1]];
-                upper[column] = family[0];
-                upper[column + 1] = family[1];
-                lower[column] = family[2];
-                lower[column + 1] = family[3];
-            }
-        }
+        const std::int64_t first_x = x >> up, first_y = y >> up;
+        write_children(grid, &children_[static_cast<std::size_t>(at_height - 1) * types_], first_x, first_y,
+                       ((x + width - 1) >> up) - first_x + 1, ((y + height_nodes - 1) >> up) - first_y + 1,
+                       below);
         std::swap(grid, below);
     }
     return grid;

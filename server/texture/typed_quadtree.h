@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -22,6 +23,12 @@ struct TypeGrid {
         return row(node_y)[node_x - x];
     }
 };
+
+/// The nodes of the next lower height that hold at least [x, x + width) × [y, y + height), written over
+/// `children`: whole families, so that there may be a node more on each side. `parents` holds all their
+/// parents; `families` has the children of each type there: left and right, then below.
+void write_children(const TypeGrid& parents, const std::array<std::uint16_t, 4>* families, std::int64_t x,
+                    std::int64_t y, std::int64_t width, std::int64_t height, TypeGrid& children);
 
 /// The typed quadtree of DESIGN section 2 over the infinite lattice of choosing units. A node of height h
 /// covers 2^h × 2^h units and has one of T types; height and type decide the types of its four children, so
@@ -78,6 +85,16 @@ class TypedQuadtree {
 
   private:
     std::uint16_t root(std::int64_t x, std::int64_t y, std::int64_t z) const noexcept;
+    /// The lowest height at which the leaf of layer 0 lies under one of the four nodes that meet in the
+    /// origin.
+    int origin_height(std::int64_t x, std::int64_t y) const noexcept {
+        return static_cast<int>(
+            std::bit_width(static_cast<std::uint64_t>((x ^ (x >> 63)) | (y ^ (y >> 63)))));
+    }
+    /// The type of that node, of this height or a greater one.
+    std::uint16_t under_origin(int height, std::int64_t x, std::int64_t y) const noexcept {
+        return origin_[static_cast<std::size_t>(height)][(x < 0 ? 1u : 0u) | (y < 0 ? 2u : 0u)];
+    }
     /// The type of the node of `height` over the leaf, from that of the node of `from` on.
     std::uint16_t descend(std::uint16_t type, int from, int height, std::int64_t x,
                           std::int64_t y) const noexcept {
@@ -93,6 +110,9 @@ class TypedQuadtree {
     int below_;
     int top_;                                             ///< The roots' height, counted from these leaves.
     std::vector<std::array<std::uint16_t, 4>> children_;  ///< [height − 1][type]
+    /// For each height the types of the four nodes that meet in the origin: what any extent lies under needs
+    /// no walk from the roots.
+    std::vector<std::array<std::uint16_t, 4>> origin_;
 };
 
 }  // namespace tessera

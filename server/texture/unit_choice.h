@@ -9,7 +9,6 @@
 
 #include "server/texture/exchange.h"
 #include "server/texture/shapes.h"
-#include "server/texture/typed_quadtree.h"
 
 namespace tessera {
 
@@ -25,6 +24,8 @@ class Variants {
   public:
     /// How many tiles a unit has on a side: 1 for content exchange, where tiles choose for themselves.
     std::int32_t unit_tiles = 1;
+    /// What types show goes by their class (UnitTree): units that are kept apart so far share no group.
+    int apart = 0;
 
     std::uint32_t types() const noexcept { return static_cast<std::uint32_t>(begin_.size() - 1); }
     std::span<const Shown> of(std::uint32_t type) const noexcept {

@@ -85,7 +85,7 @@ VariantImages VariantImages::halved() const {
     return out;
 }
 
-NodeTables::NodeTables(int top, const VariantImages& one_texel_units, const TypedQuadtree& tree) {
+NodeTables::NodeTables(int top, const VariantImages& one_texel_units, const UnitTree& tree) {
     heights_.resize(std::size_t(top) + 1, std::vector<Sums>(tree.types()));
     const std::int32_t side = one_texel_units.side();  // 1, or 2 where patches hang over
     for (std::size_t type = 0; type < tree.types(); ++type)

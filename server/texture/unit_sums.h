@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "server/texture/stamps.h"
-#include "server/texture/typed_quadtree.h"
 #include "server/texture/unit_choice.h"
+#include "server/texture/unit_tree.h"
 
 namespace tessera {
 
@@ -58,7 +58,7 @@ class NodeTables {
     };
 
     /// Heights 0 (the node is one unit) to `top`.
-    NodeTables(int top, const VariantImages& one_texel_units, const TypedQuadtree& tree);
+    NodeTables(int top, const VariantImages& one_texel_units, const UnitTree& tree);
 
     const Sums* at(int height) const noexcept { return heights_[std::size_t(height)].data(); }
     std::size_t memory_bytes() const noexcept;

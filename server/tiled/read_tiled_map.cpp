@@ -144,8 +144,12 @@ class MapReader {
         for (const pugi::xml_node& object : group.children("object"))
             ++(object.attribute("gid") || object.attribute("template") ? sprites : others);
         const std::string who = "object layer \"" + name + "\": ";
-        if (sprites > 0) leave_out(who + std::to_string(sprites) + " sprites at free places");
-        if (others > 0) leave_out(who + std::to_string(others) + " shapes, points or texts");
+        if (sprites > 0)
+            leave_out(who + (sprites == 1 ? "one sprite at a free place"
+                                          : std::to_string(sprites) + " sprites at free places"));
+        if (others > 0)
+            leave_out(who + (others == 1 ? "one shape, point or text"
+                                         : std::to_string(others) + " shapes, points or texts"));
     }
 
     Result<void> read_layer(const pugi::xml_node& node, const Inherited& own) {

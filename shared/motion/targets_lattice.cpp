@@ -349,6 +349,7 @@ void TargetDistance::narrow(const MotionLattice& places, Step step, Validity& va
     Validity within = validity;
     within.meet({add_steps(step, -round_), add_steps(step, round_)});
     std::vector<Search::Near> near;
+    near.reserve(targets_->size());
     double speed = 0, rings = 0;
     for (const MovingTarget& target : *targets_) {
         if (!ever_near(target, places.first, last)) continue;
@@ -372,8 +373,11 @@ void TargetDistance::narrow(const MotionLattice& places, Step step, Validity& va
         if (later) found.until = seen.until;
         if (earlier) found.from = seen.from;
         Search search{*this, places, near, step, found};
-        for (const Search::Near& target : near)
+        for (const Search::Near& target : near) {
             if (target.target->moves()) search.look_at(target);
+            // Nothing is shorter
+            if (found.until - 1 == found.from) break;
+        }
         later = later && found.until == seen.until && seen.until < within.until;
         earlier = earlier && found.from == seen.from && seen.from > within.from;
     }

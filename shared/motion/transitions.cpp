@@ -92,25 +92,29 @@ std::int32_t frame_at(const TimeLine& line, std::span<const Cycle> cycles, std::
 Shown shown_at(const TimeLine& line, std::span<const Cycle> cycles, std::span<const Step> changes,
                Step step) noexcept {
     if (line.frames() == 1) return {};
-    const std::int32_t frame = frame_at(line, cycles, changes, step);
-    Validity validity{step, step};
-    for (Step at = step;;) {
-        const Piece piece = piece_at(line, cycles, changes, at);
-        validity.until = shown_at(line, piece.cycle, at).validity.until;
-        if (validity.until < piece.holds.until) break;
-        validity.until = at = piece.holds.until;
-        if (at == never || frame_at(line, cycles, changes, at) != frame) break;
+    const Piece here = piece_at(line, cycles, changes, step);
+    const Shown is = shown_at(line, here.cycle, step);
+    Shown all = is;
+    // On through the pieces, as long as they begin with the frame that the last ended with
+    for (Step until = here.holds.until; all.validity.until >= until;) {
+        all.validity.until = until;
+        if (until == never) break;
+        const Piece piece = piece_at(line, cycles, changes, until);
+        const Shown next = shown_at(line, piece.cycle, until);
+        if (next.frame != is.frame) break;
+        all.validity.until = next.validity.until;
+        until = piece.holds.until;
     }
-    for (Step at = step;;) {
-        const Piece piece = piece_at(line, cycles, changes, at);
-        validity.from = shown_at(line, piece.cycle, at).validity.from;
-        if (validity.from > piece.holds.from) break;
-        validity.from = piece.holds.from;
-        if (validity.from == always) break;
-        at = validity.from - 1;
-        if (frame_at(line, cycles, changes, at) != frame) break;
+    for (Step from = here.holds.from; all.validity.from <= from;) {
+        all.validity.from = from;
+        if (from == always) break;
+        const Piece piece = piece_at(line, cycles, changes, from - 1);
+        const Shown last = shown_at(line, piece.cycle, from - 1);
+        if (last.frame != is.frame) break;
+        all.validity.from = last.validity.from;
+        from = piece.holds.from;
     }
-    return {frame, validity};
+    return all;
 }
 
 }  // namespace tessera

@@ -7,6 +7,8 @@
 #include <google/protobuf/util/type_resolver.h>
 #include <google/protobuf/util/type_resolver_util.h>
 
+#include "shared/wire/json_errors.h"
+
 namespace tessera {
 namespace {
 
@@ -16,7 +18,10 @@ Result<void> read(std::string_view text, std::string_view where, google::protobu
     options.ignore_unknown_fields = lenient;
     const auto status = google::protobuf::util::JsonStringToMessage(std::string{text}, &message, options);
     if (status.ok()) return {};
-    return Error{ErrorCode::invalid_input, std::string{where} + ": " + std::string{status.message()}};
+    return Error{ErrorCode::invalid_input,
+                 std::string{where} + ": " +
+                     explained_json_error({status.message().data(), status.message().size()},
+                                          *message.GetDescriptor())};
 }
 
 std::string write(const google::protobuf::Message& message, bool with_unset_fields, bool indented = true) {
@@ -52,7 +57,10 @@ Result<std::string> json_to_binary(std::string_view text, const std::string& typ
     const auto status = google::protobuf::util::JsonToBinaryStream(
         resolver.get(), std::string{prefix} + "/" + type, &in, &out);
     if (status.ok()) return binary;
-    return Error{ErrorCode::invalid_input, std::string{status.message()}};
+    const std::string_view said{status.message().data(), status.message().size()};
+    const auto* known = google::protobuf::DescriptorPool::generated_pool()->FindMessageTypeByName(type);
+    return Error{ErrorCode::invalid_input,
+                 known == nullptr ? std::string{said} : explained_json_error(said, *known)};
 }
 
 std::string write_json(const google::protobuf::Message& message) { return write(message, true); }

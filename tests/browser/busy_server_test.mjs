@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
 
-import {all_pages_shown, colours_at, open_page, read, set_the_stage, wait_for_colour, web_folder} from './harness.mjs';
+import {all_pages_shown, colours_at, open_page, read, set_the_stage, until, wait_for_colour, wait_for_reading, web_folder} from './harness.mjs';
 import {start_page_server, tint} from './page_server.mjs';
 
 const stage = set_the_stage({with_server: false});
@@ -51,6 +51,7 @@ test('pages on screen stay until those of another accuracy are there', async (t)
   await all_pages_shown(page);
   await page.getByRole('button', {name: 'View options'}).click();
   await page.getByRole('radio', {name: 'Exact'}).check();
+  await wait_for_colour(page, [640, 400], tint(1, 2, 2));
   for (let look = 0; look < 4; ++look) {
     assert.deepEqual((await colours_at(page, [[640, 400]]))[0], tint(1, 2, 2));
     await page.waitForTimeout(100);
@@ -77,8 +78,7 @@ test('a coarser page stands in for one that has not come', async (t) => {
   await all_pages_shown(page);
   await page.keyboard.press('+');
   await page.waitForFunction(() => document.querySelector('[data-read="level"]')?.textContent === '0');
-  await page.waitForTimeout(200);
-  assert.equal(await read(page, 'state'), 'loading');
+  await wait_for_reading(page, 'state', 'loading');
   await wait_for_colour(page, [640, 400], tint(1, 2, 2));
   finest_pages.open();
   await wait_for_colour(page, [640, 400], tint(0, 4, 4));
@@ -103,7 +103,7 @@ test('a page that has left the view is waited for no longer', async (t) => {
   await page.keyboard.type('500000 500000');
   await page.keyboard.press('Enter');
   await all_pages_shown(page);
-  assert.ok(cancelled > 3, `${cancelled} requests were cancelled`);
+  await until(() => cancelled > 3, 'requests were cancelled');
   await wait_for_colour(page, [640, 400], tint(0, Math.floor(500000 / 256), Math.floor(500000 / 256)));
   await close();
 });

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
 
-import {all_pages_shown, open_page, set_the_stage, wait_for_colour, web_folder} from './harness.mjs';
+import {all_pages_shown, open_page, set_the_stage, wait_for_colour, wait_for_room, web_folder} from './harness.mjs';
 import {set_colours, start_page_server, tint} from './page_server.mjs';
 
 const stage = set_the_stage();
@@ -44,13 +44,14 @@ test('goes through the sets by key, in both directions', async (t) => {
   const server = await start(t, ['albedo', 'normal', 'height']);
   const {page, close} = await open_page(stage.browser, `${server.origin}/#tints/1/1024/1024`);
   await all_pages_shown(page);
+  const said = page.getByText('Channels: height').waitFor();  // for a moment
   for (const [key, colour] of [
     ['m', set_colours.normal], ['m', set_colours.height], ['m', tint(1, 2, 2)], ['Shift+M', set_colours.height],
   ]) {
     await page.keyboard.press(key);
     await wait_for_colour(page, middle, colour);
   }
-  await page.getByText('Channels: height').waitFor();
+  await said;
   assert.ok(await selector(page).getByRole('radio', {name: 'Height'}).isChecked());
   await close();
 });
@@ -84,18 +85,7 @@ test('keeps its bars apart at every width', async (t) => {
   await all_pages_shown(page);
   for (const width of [1600, 1280, 1181, 1180, 1000, 901, 900, 640, 420, 360]) {
     await page.setViewportSize({width, height: 800});
-    await page.waitForTimeout(50);
-    const boxes = [];
-    for (const name of ['.place', '.tools', '.channels', '.level-rail']) boxes.push([name, await page.locator(name).boundingBox()]);
-    for (const [name, box] of boxes) {
-      assert.ok(box.x >= 0 && box.x + box.width <= width, `${name} lies inside a window of ${width}`);
-      for (const [other, beside] of boxes) {
-        const apart =
-          name === other || box.x + box.width <= beside.x || beside.x + beside.width <= box.x || box.y + box.height <= beside.y ||
-          beside.y + beside.height <= box.y;
-        assert.ok(apart, `${name} covers ${other} in a window of ${width}`);
-      }
-    }
+    await wait_for_room(page, ['.place', '.tools', '.channels', '.level-rail'], width);
   }
   await close();
 });

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
 
-import {all_pages_shown, colours_at, open_page, set_the_stage, wait_for_colour, web_folder} from './harness.mjs';
+import {all_pages_shown, colours_at, open_page, set_the_stage, until, wait_for_colour, web_folder} from './harness.mjs';
 import {ground, pattern_colours, start_sprite_server} from './sprite_server.mjs';
 
 const stage = set_the_stage({with_server: false});
@@ -35,14 +35,7 @@ async function open_editor(t, options = {}) {
       await page.waitForTimeout(16);
     }
   };
-  const until = async (passes) => {
-    for (let i = 0; i < 200; ++i) {
-      if (passes()) return;
-      await page.waitForTimeout(50);
-    }
-    assert.fail(`never: ${passes}`);
-  };
-  return {...opened, server, drag, until};
+  return {...opened, server, drag};
 }
 
 const one = {id: 1, pattern: 0, x: 1152, y: 640};
@@ -73,7 +66,7 @@ async function sample_frames(page, places) {
 const quiet = (complaints) => complaints.filter((text) => !text.includes('willReadFrequently'));
 
 test('a pattern is placed where one clicks, at once, and stays when its page comes', async (t) => {
-  const {page, complaints, server, until} = await open_editor(t, {page_delay: 250});
+  const {page, complaints, server} = await open_editor(t, {page_delay: 250});
   await page.getByRole('radio', {name: 'small square'}).click();
   await page.mouse.move(...pixel(1152, 640));
   await page.waitForTimeout(50);
@@ -93,12 +86,14 @@ test('a pattern is placed where one clicks, at once, and stays when its page com
 });
 
 test('a drag is seen once in every frame, is one edit, and undo takes it back', async (t) => {
-  const {page, complaints, server, drag, until} = await open_editor(t, {sprites: [one], page_delay: 120});
+  const {page, complaints, server, drag} = await open_editor(t, {sprites: [one], page_delay: 120});
   const [from, to] = [pixel(1152, 640), pixel(1352, 700)];
   await wait_for_colour(page, from, square);
   // Held for a moment, as a hand does: the page without it is here when it moves
   await page.mouse.move(...from);
+  const lifted = page.waitForResponse((response) => response.url().includes('/without-1/'));
   await page.mouse.down();
+  await (await lifted).finished();
   await page.waitForTimeout(400);
   const frames = await sample_frames(page, [from, to]);
   await drag(from, to, {is_down: true});
@@ -140,7 +135,7 @@ test('Escape in a drag leaves the sprite where it was', async (t) => {
 });
 
 test('handles scale and turn, numbers do too, and Delete removes', async (t) => {
-  const {page, server, drag, until} = await open_editor(t, {sprites: [one]});
+  const {page, server, drag} = await open_editor(t, {sprites: [one]});
   await page.mouse.click(...pixel(1140, 630));
   await page.getByRole('toolbar', {name: 'Selection'}).getByText('square').waitFor();
   // The corner stands a little outside of the sprite's own, 32 texels from the middle
@@ -164,7 +159,7 @@ test('handles scale and turn, numbers do too, and Delete removes', async (t) => 
 
 test('a frame takes hold of several: they move together, in one edit', async (t) => {
   const sprites = [one, {id: 2, pattern: 1, x: 1300, y: 640}, {id: 3, pattern: 0, x: 1600, y: 640}];
-  const {page, server, drag, until} = await open_editor(t, {sprites});
+  const {page, server, drag} = await open_editor(t, {sprites});
   await page.keyboard.down('Shift');
   await drag(pixel(1060, 560), pixel(1380, 740));
   await page.mouse.up();
@@ -190,7 +185,7 @@ test('what the server refuses is told in its words, and is as it was', async (t)
 });
 
 test('an edit whose answer a break swallowed is sent again, with its own id', async (t) => {
-  const {page, server, until} = await open_editor(t, {sprites: [one]});
+  const {page, server} = await open_editor(t, {sprites: [one]});
   await page.mouse.click(...pixel(1140, 630));
   server.scene.swallow = 1;
   await page.keyboard.press('Delete');
@@ -244,6 +239,5 @@ test('who may not edit is told why, and looks on', async (t) => {
   await page.getByRole('button', {name: /^People/}).click();
   await page.getByLabel('Token').fill('secret');
   await page.keyboard.press('Enter');
-  for (let i = 0; i < 100 && ![...server.clients].some(({heard}) => heard.some(({kind, value}) => kind === 'hello' && value.token === 'secret')); ++i) await page.waitForTimeout(50);
-  assert.ok([...server.clients].some(({heard}) => heard.some(({kind, value}) => kind === 'hello' && value.token === 'secret')));
+  await until(() => [...server.clients].some(({heard}) => heard.some(({kind, value}) => kind === 'hello' && value.token === 'secret')), 'a hello with the token');
 });

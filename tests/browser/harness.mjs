@@ -34,6 +34,7 @@ const scenes = {
     title: 'Draughts board',
     extent_log2_pages: 20,
     checker: {cell_texels: square_texels, first: color(light_square), second: color(dark_square)},
+    view: {x: 1000000, y: 2000000, level: 2.5},
   },
   'four-pages': {title: 'Four pages', extent_log2_pages: 1, constant: {color: color(dark_square)}},
   torn: {title: 'Torn', colour: 'red'},
@@ -83,6 +84,9 @@ const flags = [
   '--disable-component-update', '--disable-sync', '--force-color-profile=srgb',
 ];
 
+/** What does not come in this many milliseconds does not come: a browser that starts on a machine that builds takes half a minute. */
+const patience = 90_000;
+
 /** Chromium, with a profile of its own. */
 export const open_browser = () => chromium.launch({executablePath: from_environment('CHROMIUM'), args: flags});
 
@@ -111,6 +115,7 @@ export function set_the_stage({with_server = true, with_sprites = false} = {}) {
  */
 export async function open_page(browser, address, {width = 1280, height = 800} = {}) {
   const context = await browser.newContext({viewport: {width, height}, reducedMotion: 'reduce'});
+  context.setDefaultTimeout(patience);
   const page = await context.newPage();
   /** @type {string[]} */
   const complaints = [];
@@ -126,11 +131,58 @@ export async function open_page(browser, address, {width = 1280, height = 800} =
   return {page, complaints, close: () => context.close()};
 }
 
-/** Waits until the viewer shows every page in view. */
-export async function all_pages_shown(page) {
-  await page.waitForSelector('.viewer[data-loading="0"]');
-  await page.waitForFunction(() => ['ready', 'cached'].includes(document.querySelector('.read-out')?.dataset.state));
-  await page.waitForTimeout(260); // pages fade in for 160 ms
+/** Waits until the viewer shows every page in view, for several frames: what a key asks for is asked for a frame later. */
+export const all_pages_shown = (page) =>
+  page.waitForFunction(() => new Promise((resolve) => {
+    let quiet_since = Infinity, frames = 0;
+    const look = (now) => {
+      const quiet =
+        document.querySelector('.viewer')?.dataset.loading === '0' && ['ready', 'cached'].includes(document.querySelector('.read-out')?.dataset.state);
+      if (!quiet) [quiet_since, frames] = [Infinity, 0];
+      else if (quiet_since === Infinity) quiet_since = now;
+      else if (++frames >= 5 && now - quiet_since > 250) return resolve(true);  // pages fade in for 160 ms
+      requestAnimationFrame(look);
+    };
+    requestAnimationFrame(look);
+  }));
+
+/**
+ * Waits until something holds, on however slow a machine; fails with what it is called if it never does.
+ * @param {() => unknown} holds May be asynchronous. @param {string} [what]
+ */
+export async function until(holds, what = String(holds)) {
+  for (const give_up = Date.now() + patience; Date.now() < give_up; ) {
+    if (await holds()) return;
+    await new Promise((resolve) => setTimeout(resolve, 20));
+  }
+  assert.fail(`never: ${what}`);
+}
+
+/** Which parts of the page cover one another, or leave the window. @param {any} page @param {string[]} names Selectors. @param {number} width */
+async function overlaps(page, names, width) {
+  const boxes = [];
+  for (const name of names) boxes.push([name, await page.locator(name).boundingBox()]);
+  const wrong = boxes.filter(([, box]) => box.x < 0 || box.x + box.width > width).map(([name]) => `${name} leaves a window of ${width}`);
+  for (const [name, box] of boxes) {
+    for (const [other, beside] of boxes) {
+      const apart =
+        name >= other || box.x + box.width <= beside.x || beside.x + beside.width <= box.x || box.y + box.height <= beside.y ||
+        beside.y + beside.height <= box.y;
+      if (!apart) wrong.push(`${name} covers ${other} in a window of ${width}`);
+    }
+  }
+  return wrong;
+}
+
+/** Waits until a window that has just become so wide has its parts beside one another. @param {any} page @param {string[]} names @param {number} width */
+export async function wait_for_room(page, names, width) {
+  let wrong = [];
+  for (const give_up = Date.now() + patience; Date.now() < give_up; ) {
+    wrong = await overlaps(page, names, width);
+    if (wrong.length === 0) return;
+    await page.waitForTimeout(50);
+  }
+  assert.deepEqual(wrong, []);
 }
 
 /** A value of the read-out bar: level, x, y, page, state, facts. @param {any} page @param {string} name */
@@ -139,7 +191,7 @@ export const read = (page, name) => page.textContent(`[data-read="${name}"]`);
 /** Waits for a value of the read-out bar. @param {any} page @param {string} name @param {string} value */
 export const wait_for_reading = (page, name, value) =>
   page.waitForFunction(
-    ([name, value]) => document.querySelector(`[data-read="${name}"]`)?.textContent === value, [name, value], {timeout: 15000},
+    ([name, value]) => document.querySelector(`[data-read="${name}"]`)?.textContent === value, [name, value], {timeout: patience},
   );
 
 /**
@@ -170,7 +222,7 @@ export async function colours_at(page, points) {
 export async function wait_for_colour(page, point, wanted) {
   const passes = typeof wanted === 'function' ? wanted : (colour) => String(colour) === String(wanted);
   let colour;
-  for (const give_up = Date.now() + 15000; Date.now() < give_up; ) {
+  for (const give_up = Date.now() + patience; Date.now() < give_up; ) {
     [colour] = await colours_at(page, [point]);
     if (passes(colour)) return;
     await page.waitForTimeout(100);

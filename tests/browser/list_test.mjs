@@ -39,13 +39,13 @@ test('shows a broken scene with what is wrong with it', async () => {
   await close();
 });
 
-test('opens a scene from its card by keyboard, and goes back to the list', async () => {
+test('opens a scene from its card by keyboard, at its opening view, and goes back to the list', async () => {
   const {page, complaints, close} = await open_page(stage.browser, stage.server.origin);
   await page.locator('.card a', {hasText: 'Draughts board'}).focus();
   await page.keyboard.press('Enter');
   await page.waitForSelector('.viewer');
   assert.equal(await page.locator('.place h1').innerText(), 'Draughts board');
-  await page.waitForFunction(() => location.hash.split('/').length === 4);
+  await page.waitForFunction(() => location.hash === '#board/2.5/1000000/2000000');
   await page.goBack();
   await page.waitForSelector('.card');
   assert.deepEqual(complaints, []);

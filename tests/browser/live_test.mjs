@@ -71,6 +71,7 @@ test('what a hand places and drags is told to others, and undo is an edit, too',
 
   const moved = anna.next('editDone');
   await page.mouse.move(...middle);
+  await page.locator('[data-cursor=move]').waitFor();  // the page has heard of its own edit
   await page.mouse.down();
   for (let i = 1; i <= 10; ++i) await page.mouse.move(640 + 20 * i, 400);
   await page.mouse.up();

@@ -28,6 +28,37 @@ std::int32_t around(std::int32_t a, std::int32_t b, std::int32_t side) {
     return d > side / 2 ? d - side : d;
 }
 
+/// A group of three by three rectangles beside each other, each from a place of its own.
+void add_group(ExchangeAsset& asset, std::uint16_t number, std::uint64_t seed) {
+    const std::int32_t side = asset.tile_side, margin = asset.blend_texels / 2;
+    const auto draw = [&](std::uint64_t what, std::int32_t below) {
+        return static_cast<std::int32_t>(
+            uniform_below(hash(seed, stream("group", what), number, 0), static_cast<std::uint32_t>(below)));
+    };
+    std::int32_t y = draw(0, 3 * side);
+    const std::int32_t left = draw(1, 3 * side);
+    for (std::uint64_t row = 0; row < 3; ++row) {
+        const std::int32_t height = side / 4 + draw(2 + row, side * 5 / 12);
+        std::int32_t x = left;
+        for (std::uint64_t column = 0; column < 3; ++column) {
+            const std::int32_t width = side / 4 + draw(5 + column, side * 5 / 12);
+            ExchangeAsset::Patch patch;
+            patch.x = x, patch.y = y, patch.width = width, patch.height = height, patch.group = number;
+            BitMask shape{width, height};
+            for (std::int32_t v = 0; v < height; ++v)
+                for (std::int32_t u = 0; u < width; ++u) shape.set(u, v);
+            const std::uint64_t place = 8 + 2 * (3 * row + column);
+            patch.contents.push_back(
+                {{margin + draw(place, asset.exemplar.width - width - 2 * margin + 1),
+                  margin + draw(place + 1, asset.exemplar.height - height - 2 * margin + 1)},
+                 std::move(shape)});
+            asset.patches.push_back(std::move(patch));
+            x += width;
+        }
+        y += height;
+    }
+}
+
 }  // namespace
 
 ExchangeAsset make_synthetic_asset(const SyntheticAssetOptions& options) {
@@ -149,6 +180,8 @@ ExchangeAsset make_synthetic_interchange(const SyntheticAssetOptions& options) {
                                   std::move(shape)});
         asset.patches.push_back(std::move(patch));
     }
+    for (std::int32_t g = 1; g <= options.groups; ++g)
+        add_group(asset, static_cast<std::uint16_t>(g), options.seed);
     return asset;
 }
 

@@ -1,12 +1,14 @@
 // What the texture's texels give: premultiplied linear light. `level`: of those that were used.
 vec4 texels_filtered(Footprint footprint, out float level) {
 #if FILTER == NEAREST || FILTER == BILINEAR
-    level = floor(isotropic_level(footprint) + 0.5);
+    int nearest = nearest_level(footprint);
+    level = float(nearest);
 #if FILTER == BILINEAR
-    return sample_level(int(level), footprint.centre);
+    return sample_level(nearest, footprint.centre);
 #else
     Place place;
-    return find_place(int(level), footprint.centre, place) ? nearest_at(place) : nothing_yet();
+    bool found = find_place(nearest, footprint.centre, place);
+    return found ? nearest_at(place) : nothing_yet();
 #endif
 #elif FILTER == ANISOTROPIC
     return anisotropic(footprint, level);
@@ -17,8 +19,9 @@ vec4 texels_filtered(Footprint footprint, out float level) {
 #elif FILTER == SUPERSAMPLE
     return supersampled(footprint, level);
 #else
-    level = isotropic_level(footprint);
-    return trilinear(footprint.centre, level);
+    Level between = level_of(footprint.longer_squared);
+    level = number_of(between);
+    return trilinear(footprint.centre, between);
 #endif
 }
 

@@ -98,23 +98,22 @@ vec4 held_probe(HeldSprite sprite, vec2 ground, float level) {
 
 vec4 held_filtered(HeldSprite sprite, Footprint footprint) {
 #if FILTER == NEAREST || FILTER == BILINEAR
-    return held_level(sprite, int(floor(isotropic_level(footprint) + 0.5)), footprint.centre);
+    return held_level(sprite, nearest_level(footprint), footprint.centre);
 #elif FILTER == TRILINEAR
-    float level = isotropic_level(footprint);
-    int finer = int(floor(level));
-    vec4 colour = held_level(sprite, finer, footprint.centre);
-    for (int coarser = finer + 1; coarser <= coarser_of(level); ++coarser)
-        colour = mix(colour, held_level(sprite, coarser, footprint.centre), level - float(finer));
+    Level level = level_of(footprint.longer_squared);
+    vec4 colour = held_level(sprite, level.finer, footprint.centre);
+    for (int coarser = level.finer + 1; coarser <= level.coarser; ++coarser)
+        colour = mix(colour, held_level(sprite, coarser, footprint.centre), level.part);
     return colour;
 #else
-    float probes = min(ceil(footprint.longer / footprint.shorter), 16.0);
+    float probes = min(16.0, ceil(sqrt(footprint.longer_squared / footprint.shorter_squared)));
 #if FILTER == SUPERSAMPLE
     probes = float(SUBSAMPLES * SUBSAMPLES);
-    float level = clamped_level(log2(footprint.longer) - log2(float(SUBSAMPLES)));
+    float level = number_of(level_of(footprint.longer_squared / probes));
 #else
-    float level = clamped_level(log2(footprint.longer / probes));
+    float level = number_of(level_of(footprint.longer_squared / (probes * probes)));
 #endif
-    if (level <= 0.0 && footprint.longer <= 1.5) return held_level(sprite, 0, footprint.centre);
+    if (level <= 0.0 && footprint.longer_squared <= 2.25) return held_level(sprite, 0, footprint.centre);
     vec2 side = dot(footprint.dx, footprint.dx) > dot(footprint.dy, footprint.dy) ? footprint.dx : footprint.dy;
     vec4 sum = vec4(0.0);
     for (float probe = 0.0; probe < probes; ++probe) {

@@ -11,18 +11,18 @@ layout(binding = 3) uniform usampler2DArray integrals;
 const float MOST_PIECES = 40.0;   // columns × pages that each of them crosses
 const float LEAST_COLUMNS = 8.0;  // fewer are cut into parts, so that slanted sides count for what they cover
 
-// Linear light of sRGB codes 0 to 255 over 255, within 0.02 code: a polynomial, since pow is slow
+// Linear light of sRGB codes 0 to 255 over 255, within 0.012 code: a polynomial, since pow is slow
 vec3 decoded(vec3 code) {
-    vec3 high = 0.000929164434 +
-                code * (0.0326704326 +
-                        code * (0.515611761 +
-                                code * (0.701607704 + code * (-0.407388273 + code * (0.203969605 - 0.0474032455 * code)))));
-    return mix(high, code / 12.92, vec3(lessThanEqual(code, vec3(0.04045))));
+    vec3 high = 0.000924181158 +
+                code * (0.0325729018 +
+                        code * (0.520609576 + code * (0.663719516 + code * (0.0856006875 * code - 0.303322549))));
+    vec3 low = code * (1.0 / 12.92);
+    return vec3(code.r < 0.04045 ? low.r : high.r, code.g < 0.04045 ? low.g : high.g, code.b < 0.04045 ? low.b : high.b);
 }
 
 // The end of a stretch: so far into the texel, in steps of 1/65535
 vec4 part_of_texel(uvec4 word, float part) {
-    vec4 code = vec4(word & 0xffu) / 255.0;
+    vec4 code = vec4(ivec4(word & 0xffu)) * (1.0 / 255.0);
     return vec4(decoded(code.rgb), code.a) * (part * 65535.0);
 }
 
@@ -32,6 +32,10 @@ float line_integral_level(float across, float along) {
     float columns = min(most_columns, 2.0 * MOST_PIECES / (1.0 + sqrt(1.0 + 4.0 * MOST_PIECES * pages)));
     return max(ceil(log2(across / columns) + lod_bias), 0.0);
 }
+
+// One instruction less than min and max, which mind what is no number
+float less(float a, float b) { return a < b ? a : b; }
+float greater(float a, float b) { return a > b ? a : b; }
 
 // Corners in texels of the cell's layer; columns are along its first axis. Adds up area × colour, and area.
 void add_cell(vec2 corners[4], vec2 low, vec2 high, int layer, float parts, inout vec4 sum, inout float area) {
@@ -53,21 +57,26 @@ void add_cell(vec2 corners[4], vec2 low, vec2 high, int layer, float parts, inou
             ceiling_slope[i] = slope;
         }
     }
+    float inverse_parts = 1.0 / parts;
     for (float part = floor(low.x * parts); part < high.x * parts; ++part) {
-        float left = max(part / parts, low.x), right = min((part + 1.0) / parts, high.x);
+        float left = greater(part * inverse_parts, low.x), right = less((part + 1.0) * inverse_parts, high.x);
         float x = 0.5 * (left + right);
         // Where the quadrilateral begins and ends on this line
         vec4 floors = floor_at + x * floor_slope, ceilings = ceiling_at + x * ceiling_slope;
         // Where it does not meet the line, a stretch of nothing: cheaper than a branch where all branches run
-        float begin = clamp(max(max(floors.x, floors.y), max(floors.z, floors.w)), low.y, high.y);
-        float end = clamp(min(min(ceilings.x, ceilings.y), min(ceilings.z, ceilings.w)), begin, high.y);
-        float width = max(right - left, 0.0);
+        vec2 floors2 = vec2(greater(floors.x, floors.y), greater(floors.z, floors.w));
+        vec2 ceilings2 = vec2(less(ceilings.x, ceilings.y), less(ceilings.z, ceilings.w));
+        float begin = less(greater(greater(floors2.x, floors2.y), low.y), high.y);
+        float end = less(greater(less(ceilings2.x, ceilings2.y), begin), high.y);
+        float width = greater(right - left, 0.0);
         vec2 texel = min(floor(vec2(begin, end)), 255.0);
-        int column = int(x);
-        uvec4 first = texelFetch(integrals, ivec3(column, int(texel.x), layer), 0);
-        uvec4 last = texelFetch(integrals, ivec3(column, int(texel.y), layer), 0);
+        // Of one level, and so faster than texelFetch
+        vec3 column = vec3((floor(x) + 0.5) * (1.0 / PAGE_SIDE), 0.0, layer);
+        vec2 in_column = (texel + 0.5) * (1.0 / PAGE_SIDE);
+        uvec4 first = textureLod(integrals, vec3(column.x, in_column.x, column.z), 0.0);
+        uvec4 last = textureLod(integrals, vec3(column.x, in_column.y, column.z), 0.0);
         COUNT(end > begin && width > 0.0 ? 2 : 0);
-        vec4 between = vec4(((last & 0xffffff00u) - (first & 0xffffff00u)) >> 8);
+        vec4 between = vec4(ivec4(((last & 0xffffff00u) - (first & 0xffffff00u)) >> 8));
         sum += width * (between + part_of_texel(last, end - texel.y) - part_of_texel(first, begin - texel.x));
         area += width * (end - begin);
     }
@@ -112,7 +121,7 @@ vec4 line_integral(Footprint footprint, out float shown_level) {
 
     vec4 sum = vec4(0.0);
     float area = 0.0;
-    vec2 first = floor(low / PAGE_SIDE), last = floor(high / PAGE_SIDE);
+    vec2 first = floor(low * (1.0 / PAGE_SIDE)), last = floor(high * (1.0 / PAGE_SIDE));
     // One loop over all cells: loops within loops are dear
     float columns = last.x - first.x + 1.0, cells = columns * (last.y - first.y + 1.0);
     for (float index = 0.0; index < cells; ++index) {

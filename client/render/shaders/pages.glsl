@@ -1,7 +1,10 @@
 // Texels out of the resident pages, found through the page table.
 layout(binding = 0) uniform sampler2DArray pages;        // decodes to linear light
 layout(binding = 1) uniform sampler2DArray coded_pages;  // the same texels as stored
-layout(binding = 2) uniform usampler2DArray page_table;
+layout(binding = 2) uniform sampler2DArray page_table;   // PageTableTexture says what its bytes are
+#if defined(FADING) || defined(OVERLAY)
+layout(binding = 8) uniform usampler2DArray table_entries;
+#endif
 
 #ifdef FEEDBACK
 layout(r32ui, binding = 0) uniform writeonly uimage2DArray feedback;
@@ -15,28 +18,40 @@ void tell(int level, ivec2 page) {
 }
 #endif
 
-const uint NOTHING = 0xffffffffu;
 const float GUTTER = 4.0;
 const float SLOT_SIDE = PAGE_SIDE + 2.0 * GUTTER;
 
-// What is shown for the page so many steps from the origin's page; from the next coarser window where it is in none
+// What is shown for a page of a level, in whose window it is
+struct Shown {
+    bool found;
+    float layer;
+    int level;
+};
+Shown shown_for(int level, ivec2 page) {
+    ivec2 entry = page & (window_side - 1);
+    vec4 bytes = texelFetch(page_table, ivec3(entry, level), 0);
+    ivec2 tag = page >> window_log2 & 15;
+    float expected = float(tag.x + 16 * tag.y) / 255.0;
+    return Shown(bytes.z < 254.5 / 255.0 && abs(bytes.w - expected) < 0.5 / 255.0, 255.0 * (bytes.x + 256.0 * bytes.y),
+                 int(255.0 * bytes.z + 0.5));
+}
+
+// How many levels further up all of a distance lies in the window; it may lie in finer ones too, by a page
+int levels_above(int level, float distance) {
+    return max((floatBitsToInt(distance * window_scale) >> 23) - 126 - level, 0);
+}
+
+// What is shown for the page so many steps from the origin's page; from a coarser window where it is in none
 bool find_cell(int level, ivec2 steps, out Cell cell) {
-    int reach = window_side / 2;
     ivec2 page = (origin_page >> level) + steps;
-    for (int above = 0; level + above <= top_level; ++above) {
-        ivec2 shown_for = page >> above;
-        ivec2 away = shown_for - (origin_page >> (level + above));
-        if (any(lessThan(away, ivec2(-reach))) || any(greaterThanEqual(away, ivec2(reach)))) continue;
-        uvec4 entry = texelFetch(page_table, ivec3(shown_for & (window_side - 1), level + above), 0);
-        if (entry.x == NOTHING || ivec2(entry.yz) != shown_for) continue;
-        cell.layer = int(entry.x & 0xffffu);
-        cell.level = int(entry.x >> 16);
-        cell.arrival_ms = entry.w;
-        int coarser = cell.level - level;
-        cell.corner = vec2(page & ((1 << coarser) - 1)) * (PAGE_SIDE * inverse_power_of_two(coarser));
-        return true;
-    }
-    return false;
+    vec2 away = abs(vec2(steps) + 0.5) + 0.5;
+    int above = min(levels_above(0, max(away.x, away.y) * PAGE_SIDE), top_level - level);
+    Shown shown = shown_for(level + above, page >> above);
+    cell.layer = int(shown.layer + 0.5);
+    cell.level = shown.level;
+    int coarser = cell.level - level;
+    cell.corner = vec2(page & ((1 << coarser) - 1)) * (PAGE_SIDE * inverse_power_of_two(coarser));
+    return shown.found;
 }
 
 bool is_in_extent(int level, ivec2 steps) {
@@ -45,36 +60,49 @@ bool is_in_extent(int level, ivec2 steps) {
 }
 
 bool find_place(int level, vec2 ground, out Place place) {
-    vec2 local = clamp(ground, extent_low, extent_high) * inverse_power_of_two(level) + origin_offset(level);
-    ivec2 origin = origin_page >> level;
-    ivec2 steps = clamp(ivec2(floor(local / PAGE_SIDE)), -origin, ivec2((1 << (top_level - level)) - 1) - origin);
-    Cell cell;
+    vec2 inside = clamp(ground, extent_low, extent_high);
 #ifdef FEEDBACK
-    tell(level, origin + steps);
+    ivec2 wanted = (origin_page >> level) + ivec2(floor(inside * inverse_power_of_two(level + 8) + origin_offset(level) / PAGE_SIDE));
+    tell(level, clamp(wanted, ivec2(0), ivec2((1 << (top_level - level)) - 1)));
 #endif
-    if (!find_cell(level, steps, cell)) return false;
-    place.layer = cell.layer;
-    place.level = cell.level;
-    place.arrival_ms = cell.arrival_ms;
-    place.texel = (local - PAGE_SIDE * vec2(steps)) * inverse_power_of_two(cell.level - level) + cell.corner;
-    return true;
+    // Early, while the level is still waited for: where no window but a coarser one has the point
+    level = min(level + levels_above(level, max(abs(inside.x), abs(inside.y))), top_level);
+    ivec2 origin = origin_page >> level;
+    vec2 origin_texels = vec2(origin_page - (origin << level)) * PAGE_SIDE + origin_texel;
+    vec2 at = (inside + origin_texels) * inverse_power_of_two(level + 8);  // in pages
+    vec2 steps = clamp(floor(at), vec2(-origin), vec2((1 << (top_level - level)) - 1 - origin));
+    ivec2 page = origin + ivec2(steps);
+    Shown shown = shown_for(level, page);
+    place.layer = shown.layer;
+    place.level = shown.level;
+    int coarser = place.level - level;
+    place.texel = (at - steps + vec2(page & ((1 << coarser) - 1))) * inverse_power_of_two(coarser - 8);
+#if defined(FADING) || defined(OVERLAY)
+    place.arrival_ms = texelFetch(table_entries, ivec3(page & (window_side - 1), level), 0).w;
+#else
+    place.arrival_ms = 0u;
+#endif
+    return shown.found;
 }
 
-vec4 bilinear_at(Place place) {
+// Where a place is in the array texture
+vec3 in_array(Place place) { return vec3(place.texel * (1.0 / SLOT_SIDE) + GUTTER / SLOT_SIDE, place.layer); }
+
+vec4 texel_at(vec3 in_array) {
     COUNT(4);
-    return textureLod(pages, vec3((place.texel + GUTTER) / SLOT_SIDE, float(place.layer)), 0.0);
+    return textureLod(pages, in_array, 0.0);
 }
+vec4 bilinear_at(Place place) { return texel_at(in_array(place)); }
 
 vec4 nearest_at(Place place) {
     COUNT(1);
     ivec2 texel = clamp(ivec2(floor(place.texel)), ivec2(0), ivec2(255));
-    return texelFetch(pages, ivec3(texel + int(GUTTER), place.layer), 0);
+    return texelFetch(pages, ivec3(texel + int(GUTTER), int(place.layer + 0.5)), 0);
 }
 
 // Along these gradients, in texels, by the driver
 vec4 driver_at(Place place, vec2 dx, vec2 dy) {
-    return textureGrad(pages, vec3((place.texel + GUTTER) / SLOT_SIDE, float(place.layer)), dx / SLOT_SIDE,
-                       dy / SLOT_SIDE);
+    return textureGrad(pages, in_array(place), dx / SLOT_SIDE, dy / SLOT_SIDE);
 }
 
 // Whether the four texels around all points so far from the place are in its layer: the gutter makes it so
@@ -82,5 +110,15 @@ bool is_around(Place place, vec2 reach) {
     return all(greaterThan(place.texel - reach, vec2(0.5 - GUTTER))) &&
            all(lessThan(place.texel + reach, vec2(PAGE_SIDE + GUTTER - 0.5)));
 }
+
+// How many steps lead from the place backwards (≤ 0) and on, while is_around() holds
+vec2 steps_around(Place place, vec2 step) {
+    vec2 to_low = (0.5 - GUTTER - place.texel) / step, to_high = (PAGE_SIDE + GUTTER - 0.5 - place.texel) / step;
+    vec2 back = min(to_low, to_high), on = max(to_low, to_high);
+    return vec2(max(back.x, back.y), min(on.x, on.y));
+}
+
+// A step in the array texture
+vec2 step_in_array(Place place, vec2 step) { return step * (1.0 / SLOT_SIDE); }
 
 vec4 nothing_yet() { return vec4(TABLE_TOP, 1.0); }

@@ -6,11 +6,11 @@ layout(location = 0) out vec4 colour;
 float lit = 1.0;
 
 #ifdef STORED_TEXELS
-vec4 stored_texel(float level, vec2 ground) {
+vec4 stored_texel(int level, vec2 ground) {
     Place place;
-    if (!find_place(int(floor(level + 0.5)), ground, place)) return vec4(0.0);
+    if (!find_place(level, ground, place)) return vec4(0.0);
     ivec2 texel = clamp(ivec2(floor(place.texel)), ivec2(0), ivec2(255));
-    return texelFetch(coded_pages, ivec3(texel + int(GUTTER), place.layer), 0);
+    return texelFetch(coded_pages, ivec3(texel + int(GUTTER), int(place.layer + 0.5)), 0);
 }
 #endif
 
@@ -47,7 +47,7 @@ vec3 with_overlay(vec3 shaded, float level, Footprint footprint) {
 #if OVERLAY == AGE
     float part = log2(max(float(now_ms - place.arrival_ms), 500.0) / 500.0) / log2(240.0);
 #else
-    float part = texelFetch(page_marks, ivec2(place.layer, 0), 0).r;
+    float part = texelFetch(page_marks, ivec2(int(place.layer + 0.5), 0), 0).r;
     if (part < 0.0) return mix(shaded, vec3(0.02), 0.5 * line);
 #endif
     float light = dot(shaded, vec3(0.2126, 0.7152, 0.0722));
@@ -61,14 +61,14 @@ vec3 with_overlay(vec3 shaded, float level, Footprint footprint) {
 void shade(Footprint footprint, float nearness) {
     // Beyond the extent there is nothing; its edge is as soft as a pixel is wide
     vec2 to_edge = min(footprint.centre - extent_low, extent_high - footprint.centre);
-    float covered = clamp(0.5 + min(to_edge.x, to_edge.y) / footprint.longer, 0.0, 1.0);
+    float covered = clamp(0.5 + min(to_edge.x, to_edge.y) * inversesqrt(footprint.longer_squared), 0.0, 1.0);
 
 #ifdef FEEDBACK
     gives_feedback = covered > 0.0;
 #endif
 
 #ifdef STORED_TEXELS
-    colour = covered < 0.5 ? vec4(0.0) : stored_texel(isotropic_level(footprint), footprint.centre);
+    colour = covered < 0.5 ? vec4(0.0) : stored_texel(nearest_level(footprint), footprint.centre);
 #else
     float level;
     vec4 texel = filtered(footprint, level) * covered;
@@ -76,7 +76,7 @@ void shade(Footprint footprint, float nearness) {
 #ifdef OVERLAY
     shaded = mix(shaded, with_overlay(shaded, level, footprint), covered);
 #endif
-    shaded = mix(shaded, HORIZON, haze * exp(-nearness / HAZE_DEPTH));
+    shaded = mix(shaded, HORIZON, haze * exp2(nearness * (-1.442695 / HAZE_DEPTH)));
     colour = vec4(shaded, 1.0);
 #endif
 }

@@ -14,7 +14,7 @@ float dither() {
 }
 
 void main() {
-    vec3 ray = ray_through(gl_FragCoord.xy);
-    float elevation = clamp(ray.z / length(ray), 0.0, 1.0);
+    vec3 ray = ray_through(gl_FragCoord.xy - 0.5 * picture);
+    float elevation = clamp(ray.z * inversesqrt(dot(ray, ray)), 0.0, 1.0);
     colour = vec4(encode(mix(HORIZON, ZENITH, 1.0 - exp(-4.5 * elevation))) + dither() / 255.0, 1.0);
 }

@@ -10,7 +10,6 @@ bool find_cell(int level, ivec2 steps, out Cell cell) {
     cell.layer = first + (wrapped.y << side) + wrapped.x;
     cell.level = level;
     cell.corner = vec2(0.0);
-    cell.arrival_ms = 0u;
     return true;
 }
 
@@ -22,17 +21,23 @@ bool find_place(int level, vec2 ground, out Place place) {
     int pages_log2 = max(side_log2 - level - 8, 0);
     local += vec2((origin_page >> level) & ((1 << pages_log2) - 1)) * PAGE_SIDE;
     float side = float(1 << max(side_log2 - level, 0));
-    place.layer = 0;
+    place.layer = float(level);
     place.level = level;
     place.texel = local - floor(local / side) * side;
     place.arrival_ms = 0u;
     return true;
 }
 
-vec4 bilinear_at(Place place) {
-    COUNT(4);
-    return textureLod(whole, place.texel * inverse_power_of_two(side_log2 - place.level), float(place.level));
+// Where a place is in the texture; last its level
+vec3 in_array(Place place) {
+    return vec3(place.texel * inverse_power_of_two(side_log2 - place.level), place.layer);
 }
+
+vec4 texel_at(vec3 in_array) {
+    COUNT(4);
+    return textureLod(whole, in_array.xy, in_array.z);
+}
+vec4 bilinear_at(Place place) { return texel_at(in_array(place)); }
 
 vec4 nearest_at(Place place) {
     COUNT(1);
@@ -45,5 +50,7 @@ vec4 driver_at(Place place, vec2 dx, vec2 dy) {
 }
 
 bool is_around(Place place, vec2 reach) { return true; }
+vec2 steps_around(Place place, vec2 step) { return vec2(-100.0, 100.0); }
+vec2 step_in_array(Place place, vec2 step) { return step * inverse_power_of_two(side_log2 - place.level); }
 
 vec4 nothing_yet() { return vec4(0.0); }

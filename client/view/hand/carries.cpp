@@ -13,6 +13,47 @@ bool lies_on_texels(const HandSprite& sprite, const SpritePosition& at) {
            (at.x - half) % sprite_units == 0 && (at.y - half) % sprite_units == 0;
 }
 
+struct Shown {
+    const HandSprite* sprite;
+    Carries::Id carry;  ///< 0: the pages show it.
+};
+
+/// What lies over what is shown, and what lies over that. Frames of animations are not known here.
+void add_above(std::vector<Shown>& shown, const std::set<SpriteId>& known, Step step,
+               std::span<const HandSprite* const> others) {
+    std::vector<TexelBox> boxes;
+    TexelBox around;
+    for (const Shown& one : shown) {
+        const HandSprite resting = resting_at(*one.sprite, step);
+        boxes.push_back(box_around(std::span{&resting, 1}, step));
+        around = hull(around, boxes.back());
+    }
+    std::vector<Shown> all;
+    std::size_t above = 0, next = 0;
+    for (const HandSprite* other : others) {
+        for (; next < shown.size() && drawn_before(*shown[next].sprite, *other); ++next)
+            all.push_back(shown[next]);
+        if (all.empty() || above == Carries::most_above || other->animation || known.contains(other->id) ||
+            !there_at(*other, step))
+            continue;
+        const TexelBox box = box_around(std::span{other, 1}, step);
+        if (!box.meets(around)) continue;
+        // Those of `boxes` that are drawn before it: all that were passed, and all that were added
+        const auto met = [&](std::size_t first, std::size_t end) {
+            return std::any_of(boxes.begin() + static_cast<std::ptrdiff_t>(first),
+                               boxes.begin() + static_cast<std::ptrdiff_t>(end),
+                               [&](const TexelBox& one) { return one.meets(box); });
+        };
+        if (!met(0, next) && !met(shown.size(), boxes.size())) continue;
+        all.push_back({other, 0});
+        boxes.push_back(box);
+        around = hull(around, box);
+        ++above;
+    }
+    all.insert(all.end(), shown.begin() + static_cast<std::ptrdiff_t>(next), shown.end());
+    shown = std::move(all);
+}
+
 }  // namespace
 
 HeldSprite held_sprite(const HandSprite& sprite, Step step) {
@@ -95,11 +136,7 @@ bool Carries::is_gone(SpriteId id) const {
     return false;
 }
 
-std::vector<HeldSprite> Carries::held(Step step) const {
-    struct Shown {
-        const HandSprite* sprite;
-        Id carry;
-    };
+std::vector<HeldSprite> Carries::held(Step step, std::span<const HandSprite* const> others) const {
     std::vector<Shown> shown;
     std::set<SpriteId> known;
     for (auto one = all_.rbegin(); one != all_.rend(); ++one) {
@@ -109,6 +146,7 @@ std::vector<HeldSprite> Carries::held(Step step) const {
     }
     std::ranges::sort(shown,
                       [](const Shown& a, const Shown& b) { return drawn_before(*a.sprite, *b.sprite); });
+    if (!shown.empty()) add_above(shown, known, step, others);
     std::vector<HeldSprite> held;
     held.reserve(shown.size());
     for (const Shown& one : shown) held.emplace_back(held_sprite(*one.sprite, step)).hold = one.carry;

@@ -46,8 +46,11 @@ class Carries {
     /// Whether a carry took it away.
     bool is_gone(SpriteId id) const;
 
-    /// In the order of drawing.
-    std::vector<HeldSprite> held(Step step) const;
+    /// In the order of drawing, and with them those of `others`, which the pages show, that lie over them:
+    /// at most `most_above`. Where these are translucent they are a little denser meanwhile. `others`: in the
+    /// order of drawing.
+    std::vector<HeldSprite> held(Step step, std::span<const HandSprite* const> others = {}) const;
+    static constexpr std::size_t most_above = 256;
     std::vector<PageHold> holds() const;
 
   private:

@@ -34,6 +34,11 @@ void Hand::look(const HandView& view) {
     view_ = view;
     book_.look_at(view.view);
     carries_.tidy(view.now);
+    while (!later_.empty() && edits_.waiting() == 0 && !is_holding()) {
+        const HandEdits::Way way = later_.front();
+        later_.pop_front();
+        go_now(way);
+    }
     std::erase_if(selected_, [&](SpriteId id) { return !known(id); });
 }
 
@@ -114,7 +119,8 @@ std::optional<HandSprite> Hand::dragged() const {
 }
 
 std::vector<HeldSprite> Hand::held() const {
-    std::vector<HeldSprite> held = carries_.held(view_.step);
+    std::vector<HeldSprite> held;
+    if (!carries_.empty()) held = carries_.held(view_.step, book_.in_order());
     if (const auto next = ghost()) held.emplace_back(held_sprite(*next, view_.step)).opacity = 0.7F;
     return held;
 }
@@ -258,6 +264,7 @@ void Hand::heard(const HandEdits::Outcome& outcome) {
     if (!outcome.is_in) {
         carries_.drop(outcome.carry);
         message_ = outcome.why;
+        later_.clear();
         book_.doubt();
         return;
     }
@@ -277,6 +284,7 @@ void Hand::heard(const proto::EditDone& done) {
 
 void Hand::lost() {
     cancel();
+    later_.clear();
     carries_.clear();
     book_.doubt();
 }

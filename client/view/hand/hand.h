@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <string>
 #include <vector>
@@ -70,7 +71,8 @@ class Hand {
     void preview_scale(double scale);
     void preview_turns(double turns);
     void put_preview();
-    /// False: there is nothing to undo, or one is being undone.
+    /// Once all edits that are under way are answered: what is undone is the last of them. False: there is
+    /// nothing to undo.
     bool go(HandEdits::Way way);
 
     // ---- What came
@@ -105,6 +107,7 @@ class Hand {
     };
     std::optional<HandSprite> known(SpriteId id) const;
     std::vector<HandSprite> known_selection() const;
+    bool go_now(HandEdits::Way way);
     void take_up();
     void put_down();
     void make(HandEdits::Changes changes, Carries::Id carry);
@@ -125,6 +128,7 @@ class Hand {
     Grip grip_;
     Carries::Id carry_ = 0;  ///< Of the gesture under way; 0: none
     std::string message_;
+    std::deque<HandEdits::Way> later_;  ///< Ways to go once nothing is under way
 };
 
 }  // namespace tessera

@@ -18,6 +18,7 @@ void Hand::make(HandEdits::Changes changes, Carries::Id carry) {
         carries_.drop(carry);
         return;
     }
+    later_.clear();  // it is this that would be undone
     edits_.make(std::move(changes), carry);
     carries_.sent(carry);
 }
@@ -125,7 +126,14 @@ void Hand::set_turns_of_each(double turn) {
 }
 
 bool Hand::go(HandEdits::Way way) {
+    constexpr std::size_t most_later = 64;
     cancel();
+    if (edits_.waiting() == 0 && later_.empty()) return go_now(way);
+    if (later_.size() < most_later) later_.push_back(way);
+    return true;
+}
+
+bool Hand::go_now(HandEdits::Way way) {
     const auto step = edits_.go(way);
     if (!step) return false;
     // What it will have done, to be seen at once

@@ -47,6 +47,14 @@ std::vector<MapBrush::Entry> MapBrush::entries_at(const HandPoint& at) const {
     return entries;
 }
 
+std::optional<TexelBox> MapBrush::border() const {
+    if (grid_.repeats()) return std::nullopt;
+    const auto side = static_cast<std::int64_t>(grid_.entry_texels());
+    const std::int64_t shift = grid_.corners() ? side / 2 : 0;
+    const std::int64_t left = grid_.x() - shift, top = grid_.y() - shift;
+    return TexelBox{left, top, left + grid_.width() * side, top + grid_.height() * side};
+}
+
 void MapBrush::stamp(const HandPoint& at) {
     for (const Entry& entry : entries_at(at))
         if (done_.insert(entry).second) waiting_.insert(entry);

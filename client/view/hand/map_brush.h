@@ -10,6 +10,7 @@
 
 #include "client/view/hand/hand_edits.h"
 #include "client/view/hand/hand_sprite.h"
+#include "shared/page/texel_box.h"
 
 namespace tessera {
 
@@ -37,8 +38,10 @@ class MapBrush {
         std::int64_t y = 0, x = 0;
         auto operator<=>(const Entry&) const = default;
     };
-    /// The entries that a stamp of the brush paints.
+    /// The entries that a stamp of the brush paints; none outside of the map.
     std::vector<Entry> entries_at(const HandPoint& at) const;
+    /// All that the entries stand for. Nothing: the map repeats, and has no border.
+    std::optional<TexelBox> border() const;
 
   private:
     void stamp(const HandPoint& at);

@@ -28,7 +28,11 @@ class OthersHands {
     void tidy(ClientTime now);
     void clear();
 
-    std::vector<HeldSprite> held(Step step) const { return carries_.held(step); }
+    /// `others`: see Carries::held().
+    std::vector<HeldSprite> held(Step step, std::span<const HandSprite* const> others = {}) const {
+        return carries_.held(step, others);
+    }
+    bool empty() const { return carries_.empty(); }
     std::vector<PageHold> holds() const { return carries_.holds(); }
 
   private:

@@ -1,6 +1,7 @@
 #include "client/view/metrics/session_metrics.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "client/view/view.pb.h"
 
@@ -35,6 +36,8 @@ void SessionMetrics::add(const FrameSample& sample) {
     waits_.add(sample.camera, outcome, residency.versions().history(), residency.versions().told_revision(),
                sample.time.now);
 
+    line_.end_ms = now_ms;
+    line_.bytes_after = sample.bytes_received;
     line_.faults += traffic_.faults();
     line_.uploads += outcome.uploads.size();
     line_.sharp += outcome.resident_share;
@@ -67,26 +70,26 @@ void SessionMetrics::add(const FrameSample& sample) {
         .trouble = sample.trouble};
 }
 
-view::MetricsLine SessionMetrics::line() const {
+view::MetricsLine SessionMetrics::of(const Line& part) const {
     view::MetricsLine line;
-    const double frames = static_cast<double>(std::max<std::uint64_t>(line_.frames, 1));
-    const double seconds = (last_.now_ms - line_.begin_ms) / 1000;
+    const double frames = static_cast<double>(std::max<std::uint64_t>(part.frames, 1));
+    const double seconds = (part.end_ms - part.begin_ms) / 1000;
     line.set_seconds(last_.now_ms / 1000);
     line.set_frames(frames_);
-    line.set_frames_of_line(count(line_.frames));
+    line.set_frames_of_line(count(part.frames));
     line.set_frame_ms_p50(frame_times_.percentile(0.5));
     line.set_frame_ms_p95(frame_times_.percentile(0.95));
     line.set_frame_ms_p99(frame_times_.percentile(0.99));
     line.set_frame_ms_worst(frame_times_.worst());
-    line.set_work_ms_mean(line_.work_ms / frames);
+    line.set_work_ms_mean(part.work_ms / frames);
     line.set_hitches(count(hitches_));
-    line.set_hitches_of_line(count(line_.hitches));
+    line.set_hitches_of_line(count(part.hitches));
 
-    line.set_sharp_fraction(line_.frames == 0 ? 1 : line_.sharp / frames);
-    line.set_mip_deficit(line_.deficit / frames);
+    line.set_sharp_fraction(part.frames == 0 ? 1 : part.sharp / frames);
+    line.set_mip_deficit(part.deficit / frames);
     line.set_needed_pages(count(last_.needed));
     line.set_missing_pages(count(last_.missing));
-    line.set_page_faults(count(line_.faults));
+    line.set_page_faults(count(part.faults));
     line.set_lod_bias(last_.lod_bias);
     line.set_waiting_for_sharp_ms(last_.waiting_ms);
     line.set_time_to_sharp_ms_last(waits_.to_sharp().last());
@@ -114,11 +117,11 @@ view::MetricsLine SessionMetrics::line() const {
     line.set_round_trip_ms(last_.round_trip_ms);
     line.set_bytes_received(last_.bytes_received);
     line.set_megabits_per_second(
-        seconds > 0 ? 8e-6 * static_cast<double>(last_.bytes_received - line_.bytes_before) / seconds : 0);
+        seconds > 0 ? 8e-6 * static_cast<double>(part.bytes_after - part.bytes_before) / seconds : 0);
 
-    line.set_uploads(count(line_.uploads));
-    line.set_upload_ms_mean(line_.upload_ms / frames);
-    line.set_upload_ms_worst(line_.worst_upload_ms);
+    line.set_uploads(count(part.uploads));
+    line.set_upload_ms_mean(part.upload_ms / frames);
+    line.set_upload_ms_worst(part.worst_upload_ms);
     line.set_cache_pages(count(last_.cache_pages));
     line.set_cache_bytes(last_.gpu_bytes);
     line.set_evictions(last_.evictions);
@@ -128,8 +131,11 @@ view::MetricsLine SessionMetrics::line() const {
     return line;
 }
 
+view::MetricsLine SessionMetrics::line() const { return of(line_); }
+view::MetricsLine SessionMetrics::last_line() const { return of(ended_.frames > 0 ? ended_ : line_); }
+
 void SessionMetrics::next_line() {
-    line_ = {};
+    ended_ = std::exchange(line_, {});
     line_.begin_ms = last_.now_ms;
     line_.bytes_before = last_.bytes_received;
 }

@@ -39,12 +39,22 @@ class SessionMetrics {
 
     /// What holds now; means and counts "of the line" are of the frames since the last next_line().
     view::MetricsLine line() const;
+    /// The same, of the last line that was ended, so that it can be read; until then as line().
+    view::MetricsLine last_line() const;
     void next_line();
 
     std::uint64_t frames() const { return frames_; }
     const RollingTimes& frame_times() const { return frame_times_; }
 
   private:
+    struct Line {
+        std::uint64_t frames = 0, faults = 0, uploads = 0, hitches = 0;
+        double begin_ms = 0, end_ms = 0;
+        double sharp = 0, deficit = 0, upload_ms = 0, worst_upload_ms = 0, work_ms = 0;
+        std::uint64_t bytes_before = 0, bytes_after = 0;
+    };
+    view::MetricsLine of(const Line& line) const;
+
     RollingTimes frame_times_{600};
     PageTraffic traffic_;
     Waits waits_;
@@ -52,11 +62,7 @@ class SessionMetrics {
     std::uint64_t frames_ = 0, hitches_ = 0;
     double checked_pixels_ = 0, wrong_pixels_ = 0;
 
-    struct Line {
-        std::uint64_t frames = 0, faults = 0, uploads = 0, hitches = 0;
-        double begin_ms = 0, sharp = 0, deficit = 0, upload_ms = 0, worst_upload_ms = 0, work_ms = 0;
-        std::uint64_t bytes_before = 0;
-    } line_;
+    Line line_, ended_;
     // Of the last frame
     struct Last {
         double now_ms = 0;

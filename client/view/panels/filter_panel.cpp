@@ -1,5 +1,6 @@
 #include <array>
 
+#include "client/render/integral_store.h"
 #include "client/view/panels/panels.h"
 
 namespace tessera {
@@ -23,6 +24,11 @@ void filter_choice(const char* id, FilterChoice& choice) {
         ImGui::SliderInt("##subsamples", &choice.subsamples, 2, 8, "%d a side of each pixel",
                          ImGuiSliderFlags_AlwaysClamp);
     ImGui::PopID();
+}
+
+bool reads_integrals(const ViewerSwitches& switches) {
+    return switches.filter.filter == Filter::line_integral ||
+           (switches.split && switches.split->filter.filter == Filter::line_integral);
 }
 
 void split_choice(ViewerSwitches& switches) {
@@ -71,9 +77,15 @@ void view_panel(PanelColumns& columns, const PanelContents& contents, ViewerSwit
     columns.end();
 }
 
-void filter_panel(PanelColumns& columns, ViewerSwitches& switches) {
+void filter_panel(PanelColumns& columns, const PanelContents& contents, ViewerSwitches& switches) {
     if (columns.begin(PanelColumns::Side::left, "Filter")) {
         filter_choice("left", switches.filter);
+        if (reads_integrals(switches)) {
+            const std::size_t slots = contents.plane.residency().slots();
+            wrapped(panel_colours::quiet,
+                    text("sums of %zu pages: %.0f MB more on the GPU; --cache-pages sets how many", slots,
+                         static_cast<double>(slots * IntegralStore::page_bytes) / 1e6));
+        }
         split_choice(switches);
     }
     columns.end();

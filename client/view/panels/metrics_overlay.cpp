@@ -54,7 +54,7 @@ void cost_rows(const view::MetricsLine& line) {
 
 void metrics_overlay(PanelColumns& columns, const PanelContents& contents) {
     if (columns.begin(PanelColumns::Side::right, "Figures")) {
-        const view::MetricsLine line = contents.metrics.line();
+        const view::MetricsLine line = contents.metrics.last_line();
         if (begin_rows("figures", contents.scale)) {
             waits_rows(line);
             pages_rows(line);

@@ -10,24 +10,29 @@ constexpr float least_open = 44;  // of a panel's inside: less is folded
 
 }  // namespace
 
-PanelColumns::PanelColumns(float scale, float bottom)
+PanelColumns::PanelColumns(float scale, const PanelRoom& room)
     : scale_{scale},
-      bottom_{bottom},
+      bottom_{room.below_left, room.below_right},
       screen_{ImGui::GetIO().DisplaySize},
       next_y_{margin * scale, margin * scale} {}
+
+float PanelColumns::reach(Side side, float scale) {
+    const float width = (side == Side::left ? width_left : width_right) * scale;
+    return std::min(width + margin * scale, ImGui::GetIO().DisplaySize.x / 2 - margin * scale / 2);
+}
 
 bool PanelColumns::begin(Side side, const char* title, bool open_at_first) {
     side_ = side;
     const bool left = side == Side::left;
     // Two columns never meet
-    const float width =
-        std::min((left ? width_left : width_right) * scale_, screen_.x / 2 - 1.5F * margin * scale_);
+    const float width = reach(side, scale_) - margin * scale_;
     const float y = next_y_[left ? 0 : 1];
     const float x = left ? margin * scale_ : screen_.x - margin * scale_ - width;
     int& to_come = left_to_come_[left ? 0 : 1];
     if (to_come > 0) --to_come;
     const float below = static_cast<float>(to_come) * (ImGui::GetFrameHeight() + gap * scale_);
-    const float room = std::max(screen_.y - bottom_ - margin * scale_ - y - below, ImGui::GetFrameHeight());
+    const float room =
+        std::max(screen_.y - bottom_[left ? 0 : 1] - margin * scale_ - y - below, ImGui::GetFrameHeight());
     ImGui::SetNextWindowPos({x, y}, ImGuiCond_Always);
     ImGui::SetNextWindowSizeConstraints({width, 0}, {width, room});
     ImGui::SetNextWindowCollapsed(!open_at_first, ImGuiCond_Once);
@@ -50,6 +55,12 @@ bool begin_rows(const char* id, float scale) {
     ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthFixed, 84 * scale);
     ImGui::TableSetupColumn("value");
     return true;
+}
+
+void wrapped(const ImVec4& colour, const std::string& words) {
+    ImGui::PushStyleColor(ImGuiCol_Text, colour);
+    ImGui::TextWrapped("%s", words.c_str());
+    ImGui::PopStyleColor();
 }
 
 void row(const char* name, const std::string& value, const ImVec4& colour) {

@@ -13,15 +13,24 @@ inline const ImVec4 plain{0.92F, 0.94F, 0.96F, 1}, quiet{0.62F, 0.67F, 0.73F, 1}
     bad{1.0F, 0.50F, 0.44F, 1};
 }
 
+/// What is kept free of panels at the window's bottom, in ImGui's units from its edge: the editor's bars may
+/// stand there.
+struct PanelRoom {
+    float below_left = 0, below_right = 0;  ///< Under the columns
+    float below_corner = 0;                 ///< Under messages in the right corner
+};
+
 /// Stacks panels in two columns at the window's sides: each below the one before, none wider than its column,
 /// none below the window's edge (it scrolls instead). A click on a title folds its panel. One for each frame.
 class PanelColumns {
   public:
     enum class Side { left, right };
 
-    /// `scale`: the screen's content scale. `bottom`: kept free below the columns, in the same units as
-    /// ImGui's.
-    explicit PanelColumns(float scale, float bottom = 0);
+    /// `scale`: the screen's content scale.
+    explicit PanelColumns(float scale, const PanelRoom& room = {});
+
+    /// Where a column ends: so far from its side of the window.
+    static float reach(Side side, float scale);
 
     /// So many panels will stand in a column: those above leave room for the titles of those below.
     void expect(Side side, int panels) { left_to_come_[side == Side::left ? 0 : 1] = panels; }
@@ -36,12 +45,15 @@ class PanelColumns {
     bool is_low() const { return screen_.y < 700 * scale_; }
 
   private:
-    float scale_, bottom_;
+    float scale_, bottom_[2];
     ImVec2 screen_;
     float next_y_[2];
     int left_to_come_[2] = {};
     Side side_ = Side::left;
 };
+
+/// Text that goes on in the next line, at a panel's edge or where ImGui is told to.
+void wrapped(const ImVec4& colour, const std::string& words);
 
 /// A table of names and values within a panel; ImGui::EndTable() ends it if it was begun.
 bool begin_rows(const char* id, float scale);

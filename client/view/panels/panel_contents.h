@@ -6,6 +6,7 @@
 
 #include "client/link/scene_info.h"
 #include "client/render/plane_scene.h"
+#include "client/view/panels/panel_columns.h"
 #include "client/view/view_source.h"
 #include "client/view/viewer_state.h"
 
@@ -29,6 +30,12 @@ struct PanelContents {
     float scale = 1;            ///< The screen's content scale
     bool is_recording = false;  ///< The camera's way
     bool is_playing = false;
+    PanelRoom room{};
+    struct Notice {
+        std::string words{};  ///< What a key just did; empty: nothing
+        bool is_good = true;
+    };
+    Notice notice{};
 };
 
 }  // namespace tessera

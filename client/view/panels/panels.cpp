@@ -39,11 +39,11 @@ void style_panels(float content_scale) {
 
 void draw_panels(const PanelContents& contents, ViewerSwitches& switches) {
     if (switches.panel) {
-        PanelColumns columns{contents.scale};
+        PanelColumns columns{contents.scale, contents.room};
         columns.expect(PanelColumns::Side::left, 7);
         scene_panel(columns, contents);
         read_out_panel(columns, contents);
-        filter_panel(columns, switches);
+        filter_panel(columns, contents, switches);
         view_panel(columns, contents, switches);
         overlay_panel(columns, contents, switches);
         pages_panel(columns, contents);
@@ -52,6 +52,7 @@ void draw_panels(const PanelContents& contents, ViewerSwitches& switches) {
     }
     split_labels(contents, switches);
     trouble_message(contents);
+    notice_message(contents);
     if (switches.help) help_overlay(contents.scale, switches);
 }
 

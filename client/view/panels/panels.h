@@ -18,11 +18,12 @@ void view_panel(PanelColumns& columns, const PanelContents& contents, ViewerSwit
 void overlay_panel(PanelColumns& columns, const PanelContents& contents, ViewerSwitches& switches);
 /// The names of a split picture's parts, and the handle of the line between.
 void split_labels(const PanelContents& contents, const ViewerSwitches& switches);
-void filter_panel(PanelColumns& columns, ViewerSwitches& switches);          ///< How it is drawn
+void filter_panel(PanelColumns& columns, const PanelContents& contents, ViewerSwitches& switches);
 void pages_panel(PanelColumns& columns, const PanelContents& contents);      ///< Cache and requests
 void metrics_overlay(PanelColumns& columns, const PanelContents& contents);  ///< The session's figures
 void frames_panel(PanelColumns& columns, const PanelContents& contents, ViewerSwitches& switches);
 void trouble_message(const PanelContents& contents);  ///< In the corner, while something is wrong
+void notice_message(const PanelContents& contents);   ///< What a key just did
 void help_overlay(float scale, ViewerSwitches& switches);
 
 }  // namespace tessera

@@ -6,7 +6,7 @@ void scene_panel(PanelColumns& columns, const PanelContents& contents) {
     using namespace panel_colours;
     const std::string& title = contents.scene.title.empty() ? contents.scene.id : contents.scene.title;
     if (columns.begin(PanelColumns::Side::left, (title + "###scene").c_str())) {
-        ImGui::TextColored(quiet, "%s on %s", contents.scene.id.c_str(), contents.server.c_str());
+        wrapped(quiet, contents.scene.id + " on " + contents.server);
         if (begin_rows("camera", contents.scale)) {
             const Camera& camera = contents.view.camera();
             row("above", grouped(camera.ground.x) + ", " + grouped(camera.ground.y));
@@ -22,11 +22,7 @@ void scene_panel(PanelColumns& columns, const PanelContents& contents) {
             }
             ImGui::EndTable();
         }
-        if (!contents.scene.attribution.empty()) {
-            ImGui::PushStyleColor(ImGuiCol_Text, quiet);
-            ImGui::TextWrapped("%s", contents.scene.attribution.c_str());
-            ImGui::PopStyleColor();
-        }
+        if (!contents.scene.attribution.empty()) wrapped(quiet, contents.scene.attribution);
         if (contents.is_recording) ImGui::TextColored(bad, "recording the camera; R stops");
         if (contents.is_playing) ImGui::TextColored(good, "playing a camera path; L stops");
         ImGui::TextColored(quiet, "H: all keys   Tab: hide the panels");

@@ -85,3 +85,29 @@ export function icon_button(label, icon_name, act, attributes = {}) {
     icon(icon_name),
   );
 }
+
+const window_margin = 10;
+
+/** @type {Set<HTMLElement>} Open ones. */
+const kept_menus = new Set();
+
+/**
+ * Shifts an open menu sideways until all of it is in the window, and keeps it there until it is hidden: the window and
+ * what stands beside the menu's button may change their widths.
+ * @param {HTMLElement} menu
+ */
+export function keep_in_window(menu) {
+  if (kept_menus.has(menu)) return;
+  kept_menus.add(menu);
+  let shift = 0;
+  menu.style.translate = '';
+  const place = () => {
+    if (menu.hidden || !menu.isConnected) return void kept_menus.delete(menu);
+    const {left, right} = menu.getBoundingClientRect();
+    const beyond = Math.max(0, right - shift - document.documentElement.clientWidth + window_margin);
+    const wanted = Math.max(-beyond, window_margin - (left - shift));
+    if (wanted !== shift) menu.style.translate = `${(shift = wanted)}px 0`;
+    requestAnimationFrame(place);
+  };
+  place();
+}

@@ -1,4 +1,4 @@
-import {element, icon_button} from './dom.js';
+import {element, icon_button, keep_in_window} from './dom.js';
 
 /** What a view can be asked for, beside a place. The first of each is the default, which the address leaves unsaid. */
 export const choices = {
@@ -46,7 +46,9 @@ export function options_menu(values, formats, change) {
   function toggle(open) {
     menu.hidden = !open;
     button.setAttribute('aria-expanded', String(open));
-    if (open) menu.querySelector('input:checked')?.focus();
+    if (!open) return;
+    keep_in_window(menu);
+    menu.querySelector('input:checked')?.focus();
   }
   const root = element('div', {class: 'menu-anchor'}, button, menu);
   root.addEventListener('keydown', (/** @type {KeyboardEvent} */ event) => {
@@ -57,7 +59,7 @@ export function options_menu(values, formats, change) {
   });
   return {
     element: root,
-    close: () => toggle(false),
+    close_menu: () => toggle(false),
     /** @param {string} name @param {string} value */
     check: (name, value) => (radios.get(`${name} ${value}`).checked = true),
   };

@@ -89,6 +89,8 @@ export class PageLayer extends Layer {
   #coarsest;
   #canvas = new ViewCanvas('pages');
   smooth = false;
+  /** Whether the last frame had pages in view and no picture for any of them, not even one of another level. */
+  bare = false;
   /** Another picture of a page, for a while. @type {(page: import('./texture.js').PageKey) => CanvasImageSource | null} */
   instead = () => null;
 
@@ -113,6 +115,7 @@ export class PageLayer extends Layer {
     const above = level < this.#coarsest ? pages_meeting(canvas.box, level + 1, this.#coarsest) : [];
     this.#store.want(pages, above);
     const now = performance.now();
+    this.bare = pages.length > 0;
     for (const page of pages) {
       if (this.#draw(page, now)) frame.animate = true;
     }
@@ -155,6 +158,7 @@ export class PageLayer extends Layer {
   /** @param {CanvasImageSource} image @param {number[]} part Of the image. @param {{left: number, top: number, width: number, height: number}} place */
   #paint(image, [x, y, width, height], place) {
     const {context} = this.#canvas;
+    this.bare = false;
     context.imageSmoothingEnabled = this.smooth || place.width < width;
     context.drawImage(image, x, y, width, height, place.left, place.top, place.width, place.height);
   }

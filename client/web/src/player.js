@@ -5,8 +5,8 @@ import {PlayerMenu} from './player_menu.js';
 /** Faster than this no page is asked for; quicker scenes leave steps out. */
 const most_changes_per_second = 20;
 
-/** After this a step is shown with what is there, in milliseconds. */
-const longest_wait = 4000;
+/** After this a step is shown with what is there, in milliseconds: the server gives a page up after 10 s. */
+const longest_wait = 12_000;
 
 /** The step that an address asks for: it is shown and stays. @param {string | undefined} asked @param {boolean} animated */
 export const step_chosen = (asked, animated) =>
@@ -48,6 +48,7 @@ export class Player {
     });
     const open = element('button', {type: 'button', class: 'player-open', 'aria-expanded': 'false', 'aria-controls': 'player-menu', title: 'Step and clock', onclick: () => this.#menu.toggle(open)}, this.#text);
     this.element = element('fieldset', {class: 'panel player menu-anchor', 'aria-label': 'Animation'}, this.#button, open, this.#menu.element);
+    this.element.addEventListener('keydown', (/** @type {KeyboardEvent} */ event) => this.#menu.escape(event));
     clock.addEventListener('change', () => this.#follow());
   }
 

@@ -1,4 +1,4 @@
-import {element, icon_button} from './dom.js';
+import {element, icon_button, keep_in_window} from './dom.js';
 import {short_decimal} from './numbers.js';
 
 /** On either side of the step, where a scene goes on for ever. */
@@ -30,12 +30,14 @@ export class PlayerMenu {
     this.#clock = clock;
     this.#actions = actions;
     this.set_rights(false);
-    this.element.addEventListener('keydown', (/** @type {KeyboardEvent} */ event) => {
-      if (event.key !== 'Escape') return;
-      event.stopPropagation();
-      this.close();
-      this.#opener?.focus();
-    });
+  }
+
+  /** Closes the menu on Escape. @param {KeyboardEvent} event */
+  escape(event) {
+    if (event.key !== 'Escape' || this.element.hidden) return;
+    event.stopPropagation();
+    this.close();
+    this.#opener?.focus();
   }
 
   get for_everybody() {
@@ -54,6 +56,8 @@ export class PlayerMenu {
     this.#opener = opener;
     this.element.hidden = !this.element.hidden;
     opener.setAttribute('aria-expanded', String(!this.element.hidden));
+    if (this.element.hidden) return;
+    keep_in_window(this.element);
     this.#fit(true);
     this.#show_rate();
   }

@@ -20,8 +20,8 @@ export class ReadOut {
   #facts = element('span', {class: 'quiet', 'data-read': 'facts'});
   #loading = element('output', {class: 'loading-count', 'data-read': 'loading'});
 
-  /** @param {() => void} retry_failed */
-  constructor(retry_failed) {
+  /** @param {() => void} retry_failed @param {Element} revision The sign of the scene's revision. */
+  constructor(retry_failed, revision) {
     this.retry = element('button', {type: 'button', class: 'text-button', hidden: true, onclick: retry_failed});
     this.element = element(
       'footer',
@@ -30,7 +30,7 @@ export class ReadOut {
       group('Texel', element('span', {class: 'axis', text: 'x'}), this.#x, element('span', {class: 'axis', text: 'y'}), this.#y),
       group('Page', this.#page),
       element('div', {class: 'read-group read-state'}, this.#dot, this.#state, this.#facts),
-      element('div', {class: 'read-group read-loading'}, this.#loading, this.retry),
+      element('div', {class: 'read-group read-loading'}, this.#loading, this.retry, revision),
     );
   }
 

@@ -3,7 +3,7 @@ import {element, icon, mark} from './dom.js';
 import {message_page} from './messages.js';
 import {format_bytes, with_separators} from './numbers.js';
 import {connection, fetch_scenes, Unreachable} from './server.js';
-import {kind_name, page_side, uncompressed_bytes} from './texture.js';
+import {kind_name, opening_view, page_side, uncompressed_bytes} from './texture.js';
 
 /** The list of scenes: a card each, with live texels; those that could not be loaded say why. */
 export class SceneList {
@@ -78,7 +78,7 @@ function inviting_first(scenes) {
 }
 
 /** @param {any} scene A SceneSummary of proto/page.proto; zeros are left out of its JSON. */
-function scene_card({id, title, attribution, texture, extent_log2_pages: n = 0}) {
+function scene_card({id, title, attribution, texture, extent_log2_pages: n = 0, view}) {
   const side = with_separators(page_side * 2 ** n);
   return element(
     'li',
@@ -86,7 +86,7 @@ function scene_card({id, title, attribution, texture, extent_log2_pages: n = 0})
     element(
       'a',
       {href: format_address({scene: id, view: null, options: {}})},
-      element('div', {class: 'thumbnail'}, thumbnail(id, n)),
+      element('div', {class: 'thumbnail'}, thumbnail(id, n, opening_view(view))),
       element(
         'div',
         {class: 'card-text'},
@@ -106,16 +106,22 @@ function scene_card({id, title, attribution, texture, extent_log2_pages: n = 0})
 }
 
 /**
- * Live texels from the middle of the texture, near level 0 where there is something to see.
- * @param {string} id @param {number} n
+ * Live texels of the opening view; of the middle of the texture where the scene names none, near level 0, where there is
+ * something to see.
+ * @param {string} id @param {number} n @param {import('./address.js').View | null} view
  */
-function thumbnail(id, n) {
-  const level = Math.min(1, n);
+function thumbnail(id, n, view) {
+  const level = Math.min(Math.max(0, Math.round(view?.level ?? 1)), n);
   const z = n - level;
   const pages = Math.min(3, 2 ** z);
   const canvas = element('canvas', {width: pages * page_side, height: Math.min(2, pages) * page_side, 'aria-hidden': 'true'});
   const context = canvas.getContext('2d');
-  const first = Math.max(0, 2 ** z / 2 - 1);
+  const first = (/** @type {number | undefined} */ texel, /** @type {number} */ across) => {
+    const middle = texel === undefined ? 2 ** (z - 1) : texel / (page_side * 2 ** level);
+    return Math.min(Math.max(0, Math.round(middle - across / 2)), 2 ** z - across);
+  };
+  const first_x = first(view?.x, pages);
+  const first_y = first(view?.y, Math.min(2, pages));
   for (let y = 0; y < Math.min(2, pages); ++y) {
     for (let x = 0; x < pages; ++x) {
       const image = new Image();
@@ -123,7 +129,7 @@ function thumbnail(id, n) {
         context.drawImage(image, x * page_side, y * page_side);
         canvas.classList.add('drawn');
       };
-      image.src = `/scenes/${encodeURIComponent(id)}/${z}/${first + x}/${first + y}.png`;
+      image.src = `/scenes/${encodeURIComponent(id)}/${z}/${first_x + x}/${first_y + y}.png`;
     }
   }
   return canvas;

@@ -60,6 +60,8 @@ export class Texture {
     this.tells_fingerprint = Boolean(info.fingerprint);
     /** Path of the live stream; empty where there is none. */
     this.stream = info.stream ?? '';
+    /** What a visitor sees first, where the scene says it. @type {import('./address.js').View | null} */
+    this.view = opening_view(info.view);
     /** Another one when scene file or assets are. */
     this.fingerprint = info.fingerprint || this.template_at.replace(/\/r\d+-/, '/');
   }
@@ -115,6 +117,9 @@ export class Texture {
     return {level, x: Math.floor(x / side), y: Math.floor(y / side)};
   }
 }
+
+/** @param {any} view An OpeningView of proto/opening_view.proto. @returns {import('./address.js').View | null} */
+export const opening_view = (view) => (view ? {level: Number(view.level), x: Number(view.x), y: Number(view.y)} : null);
 
 /** "http://host/scenes/a/{z}/{x}/{y}.png" -> "/scenes/a/{z}/{x}/{y}". @param {string} template */
 function path_of(template) {

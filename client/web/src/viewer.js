@@ -3,14 +3,12 @@ import DragZoom from 'ol/interaction/DragZoom.js';
 
 import {format_address} from './address.js';
 import {watch_cache} from './cache_watch.js';
-import {channel_name, channels_chosen, ChannelSelector, usual_channels} from './channels.js';
 import {element, icon_button} from './dom.js';
 import {Editor} from './edit/editor.js';
 import {go_to_box} from './go_to.js';
 import {listen_to_keys} from './keyboard.js';
 import {level_range, LevelRail} from './level_rail.js';
 import {with_separators} from './numbers.js';
-import {choices, chosen, options_menu} from './options_menu.js';
 import {PageGridLayer} from './page_grid_layer.js';
 import {level_for, PageLayer} from './page_layer.js';
 import {PageLedger} from './page_ledger.js';
@@ -20,10 +18,12 @@ import {ReadOut, ScaleBar} from './read_out.js';
 import {Live} from './live/live.js';
 import {SceneClock} from './live/scene_clock.js';
 import {connection} from './server.js';
-import {slice_chosen, slice_within, SliceControl} from './slices.js';
 import {make_map} from './texture_map.js';
+import {copy_link, toggle_fullscreen} from './viewer_actions.js';
 import {viewer_element} from './viewer_element.js';
 import {ViewMotion} from './view_motion.js';
+import {Viewing} from './viewing.js';
+import {WaitingSign} from './waiting_sign.js';
 
 /** The viewer of one texture: map, bars and keys. */
 export class Viewer {
@@ -40,7 +40,6 @@ export class Viewer {
   #pointer = null;
   #frame = 0;
   #settle = 0;
-  #record = 0;
 
   /**
    * @param {import('./texture.js').Texture} texture
@@ -53,13 +52,16 @@ export class Viewer {
   constructor(texture, address, page) {
     this.texture = texture;
     this.page = page;
-    this.options = chosen(address.options);
-    this.channels = channels_chosen(address.options.channels, texture.channels);
-    this.slice = slice_chosen(address.options.slice, texture.slices);
+    this.viewing = new Viewing(texture, address.options, {
+      ask: () => this.#store.set_request(this.#request()),
+      texels: (smooth) => this.#set_smooth(smooth),
+      chosen: () => this.page.moved(this.#hash(), false),
+      say: page.say,
+    });
     this.step = step_chosen(address.options.step, texture.animated) ?? 0;
     this.#store = new PageStore(texture, this.#ledger, this.#request(), page.stale);
     this.#pages = new PageLayer(texture, this.#store);
-    this.#pages.smooth = this.options.texels === 'smooth';
+    this.#pages.smooth = this.viewing.smooth;
     this.#grid = new PageGridLayer(texture, this.#ledger, () => this.#room().top);
     this.#grid.shown = address.options.grid === '1';
     this.#clock.follow_wall(texture);
@@ -92,7 +94,7 @@ export class Viewer {
     this.editor.close();
     this.live.close();
     clearTimeout(this.#settle);
-    clearTimeout(this.#record);
+    this.viewing.close();
     cancelAnimationFrame(this.#frame);
     this.#map.setTarget(undefined);
     this.#map.dispose();
@@ -101,12 +103,10 @@ export class Viewer {
 
   /** Takes over the view and options of an address of this texture. @param {import('./address.js').Address} address */
   show({view, options}) {
-    for (const [name, value] of Object.entries(chosen(options))) this.#set_option(name, value);
-    this.#set_channels(channels_chosen(options.channels, this.texture.channels));
-    this.#set_slice(slice_chosen(options.slice, this.texture.slices));
+    this.viewing.take(options);
     this.#set_grid(options.grid === '1');
     const middle = this.texture.side_texels / 2;
-    const {level, x, y} = view ?? {level: Math.min(1, this.texture.coarsest_level), x: middle, y: middle};
+    const {level, x, y} = view ?? this.texture.view ?? {level: Math.min(1, this.texture.coarsest_level), x: middle, y: middle};
     const {finest, coarsest} = level_range(this.texture);
     const clamp = (/** @type {number} */ value, /** @type {number} */ low, /** @type {number} */ high) => Math.min(high, Math.max(low, value));
     this.#view.cancelAnimations();
@@ -118,10 +118,7 @@ export class Viewer {
   refresh(texture) {
     this.texture = texture;
     this.#store.set_texture(texture);
-    this.#set_channels(channels_chosen(this.channels, texture.channels));
-    this.selector.offer(texture.channels, this.channels);
-    this.#set_slice(slice_within(this.slice, texture.slices));
-    this.slices.offer(texture.slices, this.slice);
+    this.viewing.refresh(texture);
     this.live.set_texture(texture);
     if (!this.live.stream?.open) this.#clock.follow_wall(texture);
     this.player.offer(this.player.paused_at);
@@ -132,8 +129,7 @@ export class Viewer {
   }
 
   #request() {
-    const {format, accuracy} = this.options;
-    return {format, accuracy, channels: this.channels, slice: this.slice, step: this.step};
+    return {...this.viewing.request, step: this.step};
   }
 
   #make_map() {
@@ -159,9 +155,8 @@ export class Viewer {
       'aria-label': `${texture.title}. Arrow keys move, plus and minus zoom, H shows every key.`,
     });
     this.editor = this.#make_editor();
-    this.#pages.instead = (page) => this.editor.instead(page);
-    this.read_out = new ReadOut(() => this.#retry());
-    this.read_out.element.append(this.live.sign.element);
+    this.#pages.instead = (page) => this.editor.carries.instead(page);
+    this.read_out = new ReadOut(() => this.#retry(), this.live.sign.element);
     this.scale_bar = new ScaleBar();
     this.rail = new LevelRail(level_range(texture), {
       go: (level) => this.#view.setResolution(2 ** level),
@@ -169,14 +164,7 @@ export class Viewer {
       fit: () => this.#motion.fit(),
     });
     this.go_to = go_to_box((place) => this.#go_to(place));
-    this.menu = options_menu(this.options, texture.formats, (name, value) => {
-      this.#set_option(name, value);
-      this.page.moved(this.#hash(), false);
-    });
-    this.selector = new ChannelSelector((set) => this.#choose_channels(set));
-    this.selector.offer(texture.channels, this.channels);
-    this.slices = new SliceControl((slice) => this.#choose_slice(slice));
-    this.slices.offer(texture.slices, this.slice);
+    this.waiting = new WaitingSign();
     this.player = new Player(this.#store, this.#clock, {
       change: (step) => this.#set_step(step),
       set_clock: (change) => this.#set_clock(change),
@@ -186,7 +174,7 @@ export class Viewer {
     this.grid_button = icon_button('Page grid (G)', 'grid', () => this.#toggle_grid(), {'aria-pressed': 'false'});
     this.element = viewer_element(this, {
       copy_link: icon_button('Copy a link to this view (C)', 'link', () => this.#copy_link()),
-      fullscreen: icon_button('Full screen (F)', 'fullscreen', () => this.#toggle_fullscreen()),
+      fullscreen: icon_button('Full screen (F)', 'fullscreen', () => toggle_fullscreen(this.page.say)),
       help: icon_button('Help (H)', 'help', this.page.help),
     });
   }
@@ -195,7 +183,7 @@ export class Viewer {
     return new Editor(this.live, {
       texture: this.texture, store: this.#store, canvas: this.canvas,
       options: () => this.#request(),
-      smooth: () => this.options.texels === 'smooth',
+      smooth: () => this.viewing.smooth,
       step: () => this.step,
       texel_at: (pixel) => {
         const coordinate = this.#map.getCoordinateFromPixel(pixel);
@@ -232,10 +220,8 @@ export class Viewer {
       this.#refresh_soon();
     }, until);
     this.live.addEventListener('rights', () => this.player.set_rights(this.live.may_edit), until);
-    this.canvas.addEventListener('pointerdown', () => {
-      this.menu.close();
-      this.player.close_menu();
-      this.live.panel.close_menu();
+    this.element.addEventListener('pointerdown', ({target}) => {
+      for (const part of [this.viewing.menu, this.player, this.live.panel]) if (!part.element.contains(target)) part.close_menu();
     }, until);
     const bars = new ResizeObserver(() => this.element.style.setProperty('--bars', `${Math.round(this.#room().top)}px`));
     bars.observe(this.element.querySelector('.top-bar'));
@@ -254,21 +240,17 @@ export class Viewer {
         0: () => this.#motion.fit(),
         c: () => this.#copy_link(),
         e: () => this.#toggle_editor(),
-        f: () => this.#toggle_fullscreen(),
+        f: () => toggle_fullscreen(this.page.say),
         g: () => this.#toggle_grid(),
         h: this.page.help,
         '?': this.page.help,
         l: this.page.leave,
-        m: ({shiftKey}) => this.#next_channels(shiftKey ? -1 : 1),
-        s: () => {
-          this.#set_option('texels', this.options.texels === 'crisp' ? 'smooth' : 'crisp');
-          this.page.moved(this.#hash(), false);
-          this.page.say(`Magnified texels: ${choices.texels.values[this.options.texels].toLowerCase()}`);
-        },
+        m: ({shiftKey}) => this.viewing.next_channels(shiftKey ? -1 : 1),
+        s: () => this.viewing.toggle_texels(),
         t: () => this.go_to.focus(),
         '/': () => this.go_to.focus(),
-        ',': () => this.#step_slice(-1),
-        '.': () => this.#step_slice(1),
+        ',': () => this.viewing.step_slice(-1),
+        '.': () => this.viewing.step_slice(1),
         p: () => this.#toggle_player(),
         '[': () => this.#step_player(-1),
         ']': () => this.#step_player(1),
@@ -283,6 +265,7 @@ export class Viewer {
     this.live.watch?.look_at(view, level_for(resolution, this.texture.coarsest_level));
     this.live.cursors.draw();
     this.editor.look_at(view);
+    this.waiting.show(this.#pages.bare && this.#ledger.loading > 0);
     this.#refresh_soon();
     clearTimeout(this.#settle);
     const keep = () => {
@@ -304,14 +287,13 @@ export class Viewer {
       this.scale_bar.show(resolution);
       this.rail.show(Math.log2(resolution));
       this.element.dataset.loading = String(this.#ledger.loading);
+      if (this.#ledger.loading === 0) this.waiting.show(false);
     });
   }
 
   #hash() {
     const [x, y] = this.#view.getCenter() ?? [0, 0];
-    const options = Object.fromEntries(Object.entries(this.options).filter(([name, value]) => value !== choices[name].default));
-    if (this.channels !== usual_channels) options.channels = this.channels;
-    if (this.slice !== 0) options.slice = String(this.slice);
+    const options = this.viewing.in_address;
     if (this.player.paused_at !== null && this.texture.animated) options.step = String(this.player.paused_at);
     if (this.#grid.shown) options.grid = '1';
     return format_address({
@@ -321,58 +303,10 @@ export class Viewer {
     });
   }
 
-  /** @param {string} name @param {string} value */
-  #set_option(name, value) {
-    if (this.options[name] === value) return;
-    this.options[name] = value;
-    this.menu.check(name, value);
-    this.#pages.smooth = this.options.texels === 'smooth';
-    if (name !== 'texels') this.#store.set_request(this.#request());
+  /** @param {boolean} smooth */
+  #set_smooth(smooth) {
+    this.#pages.smooth = smooth;
     this.#pages.changed();
-  }
-
-  /** @param {string} set That the texture has. */
-  #set_channels(set) {
-    if (this.channels === set) return;
-    this.channels = set;
-    this.selector.check(set);
-    this.#store.set_request(this.#request());
-  }
-
-  /** @param {string} set */
-  #choose_channels(set) {
-    this.#set_channels(set);
-    this.page.moved(this.#hash(), false);
-  }
-
-  /** @param {number} steps Along the sets that the texture has, round and round. */
-  #next_channels(steps) {
-    const sets = this.texture.channels;
-    if (sets.length < 2) return this.page.say('This scene has its colour alone');
-    this.#choose_channels(sets[(sets.indexOf(this.channels) + steps + sets.length) % sets.length]);
-    this.page.say(`Channels: ${channel_name(this.channels).toLowerCase()}`);
-  }
-
-  /** @param {number} slice That the texture has. */
-  #set_slice(slice) {
-    if (this.slice === slice) return;
-    this.slice = slice;
-    this.slices.show(slice);
-    this.#store.set_request(this.#request());
-  }
-
-  /** @param {number} slice */
-  #choose_slice(slice) {
-    this.#set_slice(slice);
-    clearTimeout(this.#record);  // browsers ration changes of the address, and a slider makes many
-    this.#record = setTimeout(() => this.page.moved(this.#hash(), false), 120);
-  }
-
-  /** @param {number} slices */
-  #step_slice(slices) {
-    if (this.texture.slices === 1) return this.page.say('This scene is flat: it has one slice');
-    this.slices.step(slices);
-    this.page.say(`Slice ${with_separators(this.slice)}`);
   }
 
   /** @param {number} step */
@@ -382,7 +316,7 @@ export class Viewer {
   }
 
   #toggle_editor() {
-    if (this.editor.button.hidden) return this.page.say('Nothing in this scene is placed by hand');
+    if (this.editor.button.hidden) return this.page.say('There are no sprites here to be edited');
     this.editor.toggle();
   }
 
@@ -448,21 +382,7 @@ export class Viewer {
     return null;
   }
 
-  async #copy_link() {
-    const address = new URL(this.#hash(), location.href).href;
-    try {
-      await navigator.clipboard.writeText(address);
-      this.page.say('Link to this view copied');
-    } catch {
-      this.page.say('The browser did not allow copying: the address bar holds the link');
-    }
-  }
-
-  async #toggle_fullscreen() {
-    try {
-      await (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen());
-    } catch {
-      this.page.say('The browser did not allow full screen');
-    }
+  #copy_link() {
+    copy_link(this.#hash(), this.page.say);
   }
 }

@@ -6,7 +6,7 @@ import {kind_name} from './texture.js';
  * What a viewer consists of, in its places.
  * @param {import('./viewer.js').Viewer} viewer @param {{copy_link: Element, fullscreen: Element, help: Element}} buttons
  */
-export function viewer_element({texture, canvas, live, editor, selector, slices, player, go_to, grid_button, menu, rail, scale_bar, read_out}, buttons) {
+export function viewer_element({texture, canvas, live, editor, viewing, waiting, player, go_to, grid_button, rail, scale_bar, read_out}, buttons) {
   const side = with_separators(texture.side_texels);
   const place = element(
     'div',
@@ -22,15 +22,16 @@ export function viewer_element({texture, canvas, live, editor, selector, slices,
   const tools = element(
     'div',
     {class: 'panel tools', role: 'toolbar', 'aria-label': 'Tools'},
-    go_to.element, editor.button, grid_button, menu.element, buttons.copy_link, buttons.fullscreen, buttons.help,
+    go_to.element, editor.button, grid_button, viewing.menu.element, buttons.copy_link, buttons.fullscreen, buttons.help,
   );
   return element(
     'div',
     {class: 'viewer'},
     canvas,
     live.cursors.element,
+    waiting.element,
     element('div', {class: 'progress', 'aria-hidden': 'true'}),
-    element('header', {class: 'top-bar'}, place, selector.element, slices.element, player.element, live.panel.element, tools),
+    element('header', {class: 'top-bar'}, place, viewing.selector.element, viewing.slices.element, player.element, live.panel.element, tools),
     rail.element,
     editor.palette.element,
     element(

@@ -247,9 +247,11 @@ function drawClaims() {
   $('claims').replaceChildren(...claims.map((claim) => element('li', {}, element('span', {class: `verdict ${claim.holds ? 'pass' : 'fail'}`}, claim.holds ? 'holds' : 'fails'), element('div', {}, claim.text, element('small', {}, claim.figures)))));
 }
 
+const counted = (count, what) => `${count} ${what}${count === 1 ? '' : 's'}`;
+
 function drawFacts() {
   const sampled = rows.filter((row) => row.truth_mse > 0), size = rows.reduce((most, row) => Math.max(most, row.pixels ?? 0), 0);
-  $('facts').replaceChildren(...[report.machine, `${rows.length} rows`, `${unique(rows.map((row) => row.filter)).length} filters`, `${unique(rows.map((row) => row.texture)).length} textures`].filter(Boolean).map((fact) => element('li', {}, fact)));
+  $('facts').replaceChildren(...[report.machine, counted(rows.length, 'row'), counted(unique(rows.map((row) => row.filter)).length, 'filter'), counted(unique(rows.map((row) => row.texture)).length, 'texture')].filter(Boolean).map((fact) => element('li', {}, fact)));
   const notes = [
     ['Made by ', element('code', {}, report.made_by || 'tessera accuracy')],
     ['The truth of a pixel is the area integral over the quadrilateral that its outline subtends, of texels that are squares of one colour, in linear light. Errors are in 8-bit sRGB codes with their fractions kept.'],

@@ -1,9 +1,9 @@
 // By-example textures against a cold memcpy of a page, one core.
 //   build/release/bin/evaluate_bench [ASSET…]
 // prints for each method and level the time of one 256² RGBA page and its ratio to the memcpy of the same
-// run, what interchangeable patches cost against content exchange, one isolated texel, and 512² texels.
-// Without assets: made ones, content exchange of 64 patches of 25 contents and 400 interchangeable patches,
-// each on a 512² tile.
+// run, what interchangeable patches cost against content exchange, one isolated texel, and 512² texels. Exits
+// with 1 where a ratio misses its limit by more than noise. Without assets: made ones, content exchange of 64
+// patches of 25 contents and 400 interchangeable patches, each on a 512² tile.
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
@@ -107,14 +107,32 @@ class RatioReporter : public benchmark::ConsoleReporter {
             if (memcpy_time_ <= 0 || name.find("/level:") == std::string::npos) continue;
             std::cout << "  " << name << " = " << time / memcpy_time_ << " × a cold memcpy of the page";
             const std::string level = name.substr(name.find("/level:"));
-            if (const auto first = first_.find(level); first != first_.end())
+            if (name.starts_with("content_exchange"))
+                hold(time / memcpy_time_,
+                     level.starts_with("/level:0/") ? finest_level_limit : any_level_limit);
+            if (const auto first = first_.find(level); first != first_.end()) {
                 std::cout << ", " << time / first->second << " × " << textures.front().first;
+                if (name.starts_with("interchange")) hold(time / first->second, interchange_limit);
+            }
             first_.emplace(level, time);
             std::cout << "\n";
         }
     }
 
+    bool limits_hold() const noexcept { return missed_ == 0; }
+    int missed() const noexcept { return missed_; }
+
   private:
+    static constexpr double finest_level_limit = 4, any_level_limit = 12, interchange_limit = 1.5;
+    /// Two ratios of one run differ by so much where other work shares the machine.
+    static constexpr double noise = 1.1;
+
+    void hold(double ratio, double limit) {
+        std::cout << " (at most " << limit << (ratio > limit ? ": MISSED)" : ")");
+        missed_ += ratio > limit * noise ? 1 : 0;
+    }
+
+    int missed_ = 0;  ///< By more than noise.
     double memcpy_time_ = 0;
     std::map<std::string, double> first_;
 };
@@ -169,4 +187,7 @@ int main(int argc, char** argv) {
     }
     RatioReporter reporter;
     benchmark::RunSpecifiedBenchmarks(&reporter);
+    if (reporter.limits_hold()) return 0;
+    std::cout << reporter.missed() << " of the limits missed by more than a tenth\n";
+    return 1;
 }

@@ -210,7 +210,7 @@ TEST_F(AccuracyCommand, LeavesNothingWhenItIsStopped) {
     int status = 0;
     ASSERT_EQ(::waitpid(child, &status, 0), child);
     EXPECT_TRUE(WIFEXITED(status));
-    EXPECT_EQ(WEXITSTATUS(status), 1);
+    EXPECT_EQ(WEXITSTATUS(status), 128 + SIGINT);
     EXPECT_EQ(entries(), before);
 }
 

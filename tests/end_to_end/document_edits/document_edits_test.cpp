@@ -130,6 +130,55 @@ TEST_F(DocumentEdits, OfEachKindChangePagesAndSurviveAKill) {
     answer_in(*send(client, edit));
 }
 
+TEST_F(DocumentEdits, ReloadsInTheMiddleLoseNothing) {
+    std::vector<Reply> lived;
+    {
+        Program program = serve();
+        RawClient client{program.port()};
+        for (int i = 0; i < 12; ++i) {
+            proto::Edit edit = new_edit();
+            if (i % 3 == 0) {
+                proto::ParameterChange& parameter = *edit.add_changes()->mutable_set_parameter();
+                parameter.set_block("which");
+                parameter.set_field("count");
+                parameter.mutable_value()->set_integer(3 + i);
+            } else {
+                proto::MapPaint& paint = *edit.add_changes()->mutable_paint_map();
+                paint.set_block("areas");
+                paint.set_x(i);
+                paint.set_width(2);
+                paint.set_height(2);
+                paint.set_value(1);
+            }
+            // The file changes too: blocks stay as edits left them
+            if (i == 5) files_.load("moving", false);
+            if (i == 8) files_.load("moving");
+            if (i % 2 == 1) program.signal(SIGHUP);
+            EXPECT_EQ(answer_in(*send(client, edit)).revision(), static_cast<std::uint64_t>(i) + 1);
+        }
+        EXPECT_TRUE(program.says("reloaded: 1 scenes")) << program.errors();
+        program.signal(SIGHUP);
+        proto::Edit last = new_edit();
+        proto::AnimationChange& animation = *last.add_changes()->mutable_change_animation();
+        animation.set_block("blink");
+        animation.set_step(40);
+        animation.set_density(2);
+        EXPECT_EQ(answer_in(*send(client, last)).revision(), 13u);
+        lived = pages(client);
+        for (const Reply& reply : lived) ASSERT_EQ(reply.status, 200) << reply.body;
+        client.close();
+        program.signal(SIGTERM);
+        EXPECT_EQ(program.exit_code(), 0) << program.errors();
+    }
+    Program program = serve();
+    RawClient client{program.port()};
+    const std::vector<Reply> again = pages(client);
+    for (std::size_t i = 0; i < again.size(); ++i) {
+        EXPECT_EQ(again[i]["etag"], lived[i]["etag"]);
+        EXPECT_TRUE(again[i].body == lived[i].body);
+    }
+}
+
 TEST_F(DocumentEdits, WhatMayBeChangedIsToldAsItIsNow) {
     Program program = serve();
     RawClient client{program.port()};

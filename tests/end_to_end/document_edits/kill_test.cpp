@@ -1,6 +1,9 @@
 // kill -9 fifty times in a stream of edits of every kind: each that was acknowledged is there, once and in
 // order, and pages are those of a server that was never killed.
+#include <atomic>
+#include <chrono>
 #include <cstdio>
+#include <stop_token>
 #include <thread>
 
 #include <signal.h>
@@ -40,7 +43,12 @@ TEST(KilledServer, HasWhatItAcknowledgedOfEveryKindAndThePagesOfOneThatWasNot) {
             unanswered.reset();
         }
         if (kill == kills) break;
-        std::jthread killer{[&, after = std::chrono::microseconds{random.below(60'000)}] {
+        // Most lives take an edit, on however slow a machine
+        std::atomic<bool> taken = kill % 5 == 4;
+        const std::chrono::microseconds after{random.below(60'000)};
+        std::jthread killer{[&](const std::stop_token& over) {
+            while (!taken && !over.stop_requested())
+                std::this_thread::sleep_for(std::chrono::milliseconds{1});
             std::this_thread::sleep_for(after);
             program.signal(SIGKILL);
         }};
@@ -54,9 +62,10 @@ TEST(KilledServer, HasWhatItAcknowledgedOfEveryKindAndThePagesOfOneThatWasNot) {
             if (reply->status != 200) continue;
             ASSERT_EQ(answer_in(*reply).revision(), accepted.size() + 1) << "after kill " << kill;
             accepted.push_back(edit);
+            taken = true;
         }
     }
-    ASSERT_GT(accepted.size(), std::size_t{kills});
+    ASSERT_GE(accepted.size(), std::size_t{kills} * 4 / 5);
 
     // The one that is never killed takes the same edits
     const tests::TemporaryFolder other_folder;

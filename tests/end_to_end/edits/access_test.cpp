@@ -1,4 +1,7 @@
 // Who may edit, over a real socket. What a proxy passes on is from elsewhere, so a test can be, too.
+#include <fstream>
+#include <sstream>
+
 #include <sys/stat.h>
 
 #include "tests/end_to_end/edits/edited_scenes.h"
@@ -37,7 +40,15 @@ class AccessToEdits : public EditedScenes {
 
 TEST_F(AccessToEdits, FromElsewhereTakesATokenOfAnEditor) {
     const std::string ada = new_token("ada", "editor"), bob = new_token("bob", "viewer"),
-                      old = new_token("eve", "editor", "2020-01-01");
+                      old = new_token("eve", "editor", "2999-12-31");
+    // No token is made that is over already: this one is by now
+    std::stringstream lines;
+    lines << std::ifstream{tokens}.rdbuf();
+    std::string text = lines.str();
+    const std::size_t day = text.find("2999-12-31");
+    ASSERT_NE(day, std::string::npos);
+    std::ofstream{tokens} << text.replace(day, 10, "2020-01-01");
+    EXPECT_EQ(Program({"token", "eve", "--role", "editor", "--expires", "2020-01-01"}).exit_code(), 1);
     struct stat status {};
     ASSERT_EQ(::stat(tokens.c_str(), &status), 0);
     EXPECT_EQ(status.st_mode & 0777, 0600u);
@@ -65,6 +76,16 @@ TEST_F(AccessToEdits, FromElsewhereTakesATokenOfAnEditor) {
     EXPECT_EQ(answer_in(reply(of_bob, json_type)).revision(), 2u);
     // A token does not make a page of another site one of ours
     EXPECT_EQ(reply(placing(3, 1, 1), bearing(ada) + "Origin: http://evil.example\r\n").status, 403);
+}
+
+TEST_F(AccessToEdits, AWrongTokenIsRefusedOnThisMachineToo) {
+    Program program = serve();
+    const std::string edit = write_brief_json(placing(1, 1, 1));
+    const Reply refused = answer(program, program.port(),
+                                 post("sprites", edit, json_type + "Authorization: Bearer nonsense\r\n"));
+    EXPECT_EQ(refused.status, 401);
+    EXPECT_NE(refused.body.find("leave it out"), std::string::npos) << refused.body;
+    EXPECT_EQ(answer(program, program.port(), post("sprites", edit, json_type)).status, 200);
 }
 
 TEST_F(AccessToEdits, WithoutTokensNobodyEditsFromElsewhere) {

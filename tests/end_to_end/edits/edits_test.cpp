@@ -1,5 +1,7 @@
 // Edits over a real socket: what an editor sees, and what is there after the server was killed.
+#include <atomic>
 #include <chrono>
+#include <stop_token>
 #include <thread>
 
 #include <signal.h>
@@ -127,7 +129,11 @@ TEST_F(Edits, EveryEditThatWasAcknowledgedIsThereOnceAfterFiftyKills) {
         ASSERT_NE(port, 0) << program.errors();
         RawClient client{port};
         const auto time = std::chrono::microseconds{hash(8, 8, kill, 0) % 30'000};
-        std::jthread killer{[&] {
+        // Most lives take an edit, on however slow a machine
+        std::atomic<bool> taken = kill % 5 == 4;
+        std::jthread killer{[&](const std::stop_token& over) {
+            while (!taken && !over.stop_requested())
+                std::this_thread::sleep_for(std::chrono::milliseconds{1});
             std::this_thread::sleep_for(time);
             program.signal(SIGKILL);
         }};
@@ -141,11 +147,12 @@ TEST_F(Edits, EveryEditThatWasAcknowledgedIsThereOnceAfterFiftyKills) {
             again += answer.again();
             acknowledged.push_back(edit);
             unanswered.reset();
+            taken = true;
         }
     }
     RecordProperty("edits", static_cast<int>(acknowledged.size()));
     RecordProperty("retries_of_what_was_in", static_cast<int>(again));
-    ASSERT_GT(acknowledged.size(), 50u);
+    ASSERT_GT(acknowledged.size(), 39u);
 
     // A server that was never killed, given the same edits, shows the same pages
     Program lived = serve({});

@@ -7,6 +7,7 @@
 
 #include "shared/wire/json.h"
 #include "tests/end_to_end/load/child_process.h"
+#include "tests/end_to_end/server/raw_client.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tessera::test {
@@ -68,11 +69,11 @@ class Load : public testing::Test {
 
 TEST_F(Load, OfARealServerInAClosedLoopFindsEveryPageWholeAndTheSameEachTime) {
     const Fields result =
-        run({"--duration", "1", "--warmup", "0.2", "--working-set", "200", "--verify", "--assert",
-             "errors==0", "--assert", "mismatches==0", "--assert", "changed==0"},
+        run({"--duration", "1", "--warmup", "0.2", "--working-set", "40", "--verify", "--assert", "errors==0",
+             "--assert", "mismatches==0", "--assert", "changed==0"},
             0);
-    EXPECT_GT(number(result, "requests", "pages"), 200);
-    EXPECT_GT(number(result, "verify", "compared"), 100);
+    EXPECT_GT(number(result, "requests", "pages"), 50);
+    EXPECT_GT(number(result, "verify", "compared"), 10);
     EXPECT_GT(number(result, "cache_results", "hit"), 0) << "the server says where a page came from";
 }
 
@@ -110,7 +111,14 @@ TEST_F(Load, SaysThatThereIsNoSuchSceneAndThatNobodyListens) {
 
 TEST_F(Load, GivesTheFiguresSoFarWhenItIsInterrupted) {
     ChildProcess load = start({"--duration", "60", "--warmup", "0", "--rate", "200"});
-    std::this_thread::sleep_for(700ms);
+    const auto answered = [&]() -> double {
+        const std::string port = url_.substr(url_.rfind(':') + 1);
+        const auto metrics = RawClient{static_cast<std::uint16_t>(std::stoi(port))}.get("/metrics");
+        const std::string name = "tessera_http_answers_total{status=\"200\"} ";
+        const std::size_t at = metrics ? metrics->body.find(name) : std::string::npos;
+        return at == std::string::npos ? 0 : std::stod(metrics->body.substr(at + name.size()));
+    };
+    for (int i = 0; i < 1000 && answered() < 100; ++i) std::this_thread::sleep_for(20ms);
     load.signal(SIGINT);
     const Fields result = result_of(load, 130);
     EXPECT_GT(number(result, "requests", "pages"), 20);

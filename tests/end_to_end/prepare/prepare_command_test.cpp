@@ -246,7 +246,7 @@ TEST_F(PrepareCommand, InterruptedItLeavesNothing) {
     int status = 0;
     ASSERT_EQ(waitpid(child, &status, 0), child);
     ASSERT_TRUE(WIFEXITED(status)) << "it stops by itself";
-    EXPECT_EQ(WEXITSTATUS(status), 1);
+    EXPECT_EQ(WEXITSTATUS(status), 128 + SIGINT);
     EXPECT_LT(std::chrono::steady_clock::now() - asked, std::chrono::seconds{20});
     EXPECT_THAT(text_of(log_), HasSubstr("stopped before the asset was complete"));
     EXPECT_EQ(entries(), before);

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/end_to_end/view/program.h"
+#include "tests/end_to_end/view/scene_server.h"
 
 namespace tessera {
 namespace {
@@ -56,6 +56,8 @@ TEST(ViewErrors, AWrongCommandLineSaysWhatIsWrong) {
     EXPECT_THAT(wrong({nobody, "board", "--size", "9x9"}), HasSubstr("16 to 8192"));
     EXPECT_THAT(wrong({nobody, "board", "--frames", "0"}), HasSubstr("--frames"));
     EXPECT_THAT(wrong({nobody, "board", "--cache-pages", "3"}), HasSubstr("--cache-pages"));
+    for (const char* number : {"--relief", "--split-at", "--panel-scale", "--record-limit"})
+        EXPECT_THAT(wrong({nobody, "board", number, "nan"}), HasSubstr(number));
 }
 
 TEST(ViewErrors, HelpExplainsKeysPathsAndTheRunWithoutADisplay) {

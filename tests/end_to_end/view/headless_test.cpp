@@ -9,7 +9,7 @@
 #include "client/view/view.pb.h"
 #include "shared/wire/json.h"
 #include "tests/end_to_end/view/page_ray_caster.h"
-#include "tests/end_to_end/view/program.h"
+#include "tests/end_to_end/view/scene_server.h"
 
 namespace tessera {
 namespace {

@@ -1,7 +1,6 @@
 #include "tests/end_to_end/view/program.h"
 
 #include <chrono>
-#include <fstream>
 #include <stdexcept>
 #include <utility>
 
@@ -12,14 +11,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "server/scene/asset_file.h"
-#include "tests/support/synthetic_asset.h"
-
 extern char** environ;
 
 namespace tessera::testing {
 
-namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 Program::Program(std::vector<std::string> command) {
@@ -76,6 +71,22 @@ std::string Program::first_line() {
     return end == std::string::npos ? std::string{} : out_.substr(0, end);
 }
 
+std::string Program::line_after(const std::string& text) {
+    const auto until = Clock::now() + std::chrono::seconds{30};
+    for (;;) {
+        const std::size_t at = out_.find(text);
+        const std::size_t end = at == std::string::npos ? at : out_.find('\n', at);
+        if (end != std::string::npos) {
+            const std::string rest = out_.substr(at + text.size(), end - at - text.size());
+            out_.erase(0, end + 1);
+            return rest;
+        }
+        if (out_file_ < 0 || Clock::now() > until) return {};
+        read_some(out_file_, out_, 50);
+        read_some(error_file_, error_, 0);
+    }
+}
+
 Program::Ended Program::end() {
     const auto until = Clock::now() + std::chrono::seconds{60};
     while ((out_file_ >= 0 || error_file_ >= 0) && Clock::now() < until) {
@@ -88,34 +99,6 @@ Program::Ended Program::end() {
     ::waitpid(std::exchange(pid_, -1), &status, 0);
     if (WIFEXITED(status)) ended.exit_code = WEXITSTATUS(status);
     return ended;
-}
-
-SceneServer::SceneServer()
-    : folder_{fs::temp_directory_path() / ("tessera_view_" + std::to_string(getpid()))} {
-    fs::remove_all(folder_);
-    const auto scene = [&](const std::string& id, const char* json) {
-        fs::create_directories(folder_ / "scenes" / id);
-        std::ofstream{folder_ / "scenes" / id / "scene.json"} << json;
-    };
-    scene("board", R"({"checker": {"cell_texels": 37}})");
-    scene("grey", R"({"title": "Grey", "constant": {"color": {"red": 90, "green": 120, "blue": 150}}})");
-    scene("noise",
-          R"({"extent_log2_pages": 30, "content_exchange": {"asset": "asset", "seed": 5, "types": 256}})");
-    const auto asset = folder_ / "scenes" / "noise" / "asset";
-    fs::create_directories(asset);
-    if (!write_exchange_asset(asset, tests::make_synthetic_asset({}), {}))
-        throw std::runtime_error{"cannot write the asset"};
-    program_ = std::make_unique<Program>(std::vector<std::string>{
-        TESSERA_PROGRAM, "serve", "--scenes", (folder_ / "scenes").string(), "--listen", "127.0.0.1:0"});
-    const std::string line = program_->first_line();
-    const std::string prefix = "tessera: listening on ";
-    if (!line.starts_with(prefix)) throw std::runtime_error{"the server does not start: " + line};
-    url_ = line.substr(prefix.size());
-}
-
-SceneServer::~SceneServer() {
-    program_.reset();
-    fs::remove_all(folder_);
 }
 
 Program::Ended run_view(const std::vector<std::string>& arguments) {

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <filesystem>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -19,6 +17,9 @@ class Program {
 
     /// The first line on stdout, without its end; empty if none comes within half a minute.
     std::string first_line();
+    /// The rest of the next line on stdout that has this in it, and forgets all up to there; empty if none
+    /// comes within half a minute.
+    std::string line_after(const std::string& text);
     struct Ended {
         int exit_code = -1;  ///< −1: it did not end within the time, or by a signal
         std::string out;
@@ -33,22 +34,6 @@ class Program {
     pid_t pid_ = -1;
     int out_file_ = -1, error_file_ = -1;
     std::string out_, error_;
-};
-
-/// `tessera serve` with three scenes in a folder of its own, which goes with it: `board` (checker), `grey`
-/// (constant) and `noise` (content exchange of noise, 2^38 texels a side).
-class SceneServer {
-  public:
-    SceneServer();
-    ~SceneServer();
-
-    const std::string& url() const { return url_; }
-    const std::filesystem::path& folder() const { return folder_; }  ///< For the test's files too
-
-  private:
-    std::filesystem::path folder_;
-    std::unique_ptr<Program> program_;
-    std::string url_;
 };
 
 /// Runs tessera-view to its end.

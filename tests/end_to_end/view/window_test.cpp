@@ -1,6 +1,6 @@
 #include <gmock/gmock.h>
 
-#include "tests/end_to_end/view/program.h"
+#include "tests/end_to_end/view/scene_server.h"
 
 namespace tessera {
 namespace {

@@ -8,26 +8,11 @@
 #include <gtest/gtest.h>
 
 #include "server/pattern/pattern_texture.h"
-#include "tests/support/made_patterns.h"
+#include "tests/support/random_pattern_files.h"
 #include "tests/unit/server/blocks/pattern_text.h"
 
 namespace tessera {
 namespace {
-
-/// Sixteen patterns as far from each other as colours allow.
-class NoisyFiles final : public BlockFiles {
-  public:
-    std::int32_t side = 4;
-    Result<PatternImages> read_patterns(const std::string&, const proto::PatternSet& set) override {
-        return made_patterns(static_cast<std::int32_t>(set.side_texels()), 16);
-    }
-    Result<StoredMap> read_map(const std::string& field, const std::string&) override {
-        return Error{ErrorCode::invalid_input, field + ": no such file"};
-    }
-    Result<std::shared_ptr<const Texture>> read_exchange(const std::string&, const proto::Block&) override {
-        return std::shared_ptr<const Texture>{};
-    }
-};
 
 const std::string ground = R"(
   {"name": "set", "pattern_set": {"image": "a.png", "side_texels": 4}},
@@ -85,7 +70,7 @@ std::vector<Moving> all_kinds() {
 }
 
 Result<Plan> compile(const std::string& blocks) {
-    NoisyFiles files;
+    RandomPatternFiles files{16};
     return compile_plan(pattern_of(blocks), files);
 }
 
@@ -106,6 +91,9 @@ std::vector<Look> looks_under(const Plan& plan, TexelRegion region, Step step) {
         std::vector<Look> row(static_cast<std::size_t>(width));
         for (std::int64_t cell_y = y; cell_y <= bottom; ++cell_y) {
             reference->program->looks({.x = x, .y = cell_y, .count = width, .step = step}, row.data());
+            // Where nothing is shown, it does not matter how
+            for (Look& look : row)
+                if (look.pattern < 0) look = {};
             all.insert(all.end(), row.begin(), row.end());
         }
     }
@@ -159,6 +147,138 @@ TEST(PageValidity, HoldsOverTenThousandSteps) {
         }
         if (moving.name != "slow") {
             EXPECT_GT(intervals, 100u);
+        }
+    }
+}
+
+/// Cells that run, in all ways that tell how long they look alike.
+std::vector<Moving> running_kinds() {
+    // Mostly one value, here and there others: 96 × 24 entries
+    std::string signs;
+    for (std::int64_t i = 0; i < 96 * 24; ++i) {
+        const std::uint64_t dice = hash(5, stream("signs"), i, 0);
+        const bool empty = i % 96 < 40 || i / 96 % 6 == 1;
+        signs += (i > 0 ? ", " : "") + std::to_string(empty || dice % 40 != 0 ? 0 : 1 + dice / 64 % 3);
+    }
+    const auto map = [&](const std::string& more) {
+        return R"({"name": "map", "explicit_indirection_map": {"grid": "grid", "width": 96, "values": [)" +
+               signs + "]" + more + "}},";
+    };
+    const std::string phase =
+        R"({"name": "phase", "virtual_indirection_map": {"grid": "grid", "count": 65536}},)";
+    const auto rests = [](const std::string& name, const std::string& of) {
+        std::string entries;
+        for (const char c : of)
+            entries += std::string{entries.empty() ? "" : ", "} + R"({"pattern": )" +
+                       (c == '-'   ? "-1"
+                        : c == 's' ? "9"
+                        : c == 'm' ? "170"
+                                   : "4000") +
+                       "}";
+        return R"({"name": ")" + name +
+               R"(", "probability_map": {"index": {"block": "map"}, "material": {"entries": [)" + entries +
+               "]}}},";
+    };
+    const auto scrolled = [](const std::string& scroll, const std::string& transform = "") {
+        return R"(, {"name": "t", "reference_texture": {"patterns": "set", "grid": "grid", "index": {"block": "x"}, "scroll": )" +
+               scroll + transform + "}}";
+    };
+    const std::string lit =
+        R"({"name": "x", "animation_map": {"sequence": "frames", "phase": {"block": "phase"}, "rest": {"block": "first"})";
+    const std::string mixed =
+        R"({"name": "x", "materials_map": {"material": {"block": "map"}, "index": {"block": "few"}, "materials": [
+            {"entries": [{"pattern": 2}]}, {"entries": [{"pattern": 2}, {"pattern": 3}]}, {"entries": [{"pattern": 1}]},
+            {"entries": [{"pattern": 2}, {"pattern": 2}]}]}})";
+    const std::string few = R"({"name": "few", "virtual_indirection_map": {"grid": "grid", "count": 2}},)";
+    return {
+        {"a board",
+         ground + phase + map("") + rests("first", "--ml") + lit + "}}" + scrolled(R"({"cells": 8})")},
+        {"to the right, slowly", ground + phase + map("") + rests("first", "-smm") + lit + "}}" +
+                                     scrolled(R"({"cells": -8, "steps": 3})")},
+        {"two messages",
+         ground + phase + map(R"(, "edge": "clamp", "x": 16)") + rests("first", "--sm") +
+             rests("second", "-s-l") + lit +
+             R"(, "changes": [{"step": -900, "density": 4}, {"step": -600, "density": "Infinity"},
+             {"step": -300, "rest": {"block": "second"}, "density": 2}, {"step": 500, "density": 1}, {"step": 1100, "rest": {"block": "first"}}]}})" +
+             scrolled(R"({"cells": 8, "steps": 2})")},
+        {"further than they are wide",
+         ground + few + map(R"(, "edge": "clamp", "x": -200)") + mixed + scrolled(R"({"cells": 48})")},
+        {"still, over a map", ground + few + map("") + mixed + scrolled(R"({"cells": 8, "steps": 7})")},
+        {"of a period",
+         ground +
+             R"({"name": "x", "explicit_indirection_map": {"grid": "grid", "width": 16, "values": [0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 2, 1]}})" +
+             scrolled(R"({"cells": 8, "steps": 2})")},
+        {"once past",
+         ground +
+             R"({"name": "x", "explicit_indirection_map": {"grid": "grid", "edge": "blank", "x": 640, "width": 5, "values": [1, 1, -1, 2, 1, 1, 1, 1, 1, 1]}})" +
+             scrolled(R"({"cells": 16, "steps": 3})")},
+        {"drawn",
+         ground + few +
+             R"({"name": "x", "materials_map": {"material": {"integer": 0}, "index": {"block": "few"}, "materials": [
+            {"entries": [{"pattern": 2}, {"pattern": 3}]}]}})" +
+             scrolled(R"({"cells": 1, "steps": 3})")},
+        {"blank instances",
+         ground + phase + map("") + rests("first", "-m--") +
+             R"({"name": "dark", "animation_sequence": {"frames": [{"pattern": -1}, {"pattern": 1, "steps": 9}, {"pattern": 3}]}},
+                {"name": "r", "virtual_random_map": {"grid": "grid"}},
+                {"name": "move", "tile_transform": {"grid": "grid", "turn": {"block": "r"}, "scale": {"number": 0.5}}},
+                {"name": "x", "animation_map": {"sequence": "dark", "phase": {"block": "phase"}, "rest": {"block": "first"}}})" +
+             scrolled(R"({"cells": 8})", R"(, "transform": "move")")},
+        {"hanging over", ground + few + map("") + mixed +
+                             R"(, {"name": "r", "virtual_random_map": {"grid": "grid"}},
+                {"name": "move", "tile_transform": {"grid": "grid", "x": {"block": "r"}, "overflow": true, "scale": {"number": 0.9}}})" +
+                             scrolled(R"({"cells": 8, "steps": 5})", R"(, "transform": "move")")},
+    };
+}
+
+/// The frames that places show, cell by cell: an interval ends where one of them changes, and nowhere else,
+/// from whichever of its steps it is asked for.
+TEST(PageValidity, OfCellsThatRunIsMaximal) {
+    for (const Moving& moving : running_kinds()) {
+        SCOPED_TRACE(moving.name);
+        const auto plan = compile(moving.blocks);
+        ASSERT_TRUE(plan) << plan.error().detail;
+        const auto texture = make_pattern_texture(*plan);
+        std::size_t intervals = 0, shifts = 0;
+        const auto* cells = std::get_if<ReferencePlan>(&plan->textures.back().what);
+        const Scroll scroll = cells->program->scroll();
+        // Nothing that is near: then the row where all is still, and whole rows of cells
+        for (const TexelRegion& region : {TexelRegion{0, -3, 5, 24, 20}, TexelRegion{0, 64, 28, 64, 4},
+                                          TexelRegion{1, 16, -8, 6, 40}, TexelRegion{3, 7, 7, 4, 4}}) {
+            SCOPED_TRACE(std::to_string(region.level) + " at " + std::to_string(region.x));
+            for (const Step begin : {Step{-1000}, Step{-100}, Step{3'000'000'000'000}}) {
+                Page page;
+                page.evaluation.validity = {0, 0};
+                std::vector<Look> looks, before = looks_under(*plan, region, begin - 1);
+                for (Step step = begin; step < begin + 420; ++step, before = std::move(looks)) {
+                    looks = looks_under(*plan, region, step);
+                    // Composites look at cells around, too
+                    const bool wider = moving.name == "hanging over", changes = looks != before;
+                    const Validity valid = page.evaluation.validity;
+                    if (valid.holds(step)) {
+                        ASSERT_FALSE(changes && step != begin) << step;
+                        // Now and then, from within
+                        if (hash(3, stream("within"), step, 0) % 4 != 0 && valid.until - step > 2) continue;
+                        const Page again = evaluate(*texture, region, step, Accuracy::high);
+                        ASSERT_EQ(again.texels.values, page.texels.values) << step;
+                        ASSERT_EQ(again.evaluation.validity, valid) << step;
+                        continue;
+                    }
+                    page = evaluate(*texture, region, step, Accuracy::high);
+                    ASSERT_TRUE(page.evaluation.validity.holds(step));
+                    ++intervals;
+                    if (step == begin) continue;
+                    ASSERT_EQ(page.evaluation.validity.from, step);
+                    ASSERT_TRUE(changes || wider) << step;
+                }
+
+                shifts += 420 / scroll.steps;
+            }
+        }
+        // Most shifts change nothing, but where all is drawn
+        EXPECT_GT(intervals, 8u);
+        if (moving.name != "drawn" && moving.name != "hanging over") {
+            EXPECT_LT(intervals, shifts * 2 / 3);
         }
     }
 }

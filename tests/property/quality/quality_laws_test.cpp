@@ -52,6 +52,7 @@ struct Case {
     ExchangeMethod method = content_exchange;
     double seams = 1;
     double repetition = 1;
+    double counted = 1;
 };
 
 void PrintTo(const Case& one, std::ostream* out) { *out << one.photo << " by " << method_name(one.method); }
@@ -74,7 +75,9 @@ void expect_kept(const Rgb8Image& photo, const Case& one) {
     EXPECT_GT(made->quality.seams.pairs, 1000U);
     for (const Gate& gate : made->quality.gates) {
         std::cout << gate.name << ": " << gate.value << " of " << gate.limit << '\n';
-        EXPECT_LE(gate.value, gate.limit * (gate.name == "repetition" ? one.repetition : one.seams))
+        EXPECT_LE(gate.value, gate.limit * (gate.name == "repetition"            ? one.repetition
+                                            : gate.name == "repetition, counted" ? one.counted
+                                                                                 : one.seams))
             << gate.name;
     }
 }
@@ -87,12 +90,11 @@ TEST_P(MadePhotograph, KeepsTheLimitsOfSeamsAndRepetitionOrItsRecordedMiss) {
 
 // Ground lets every method but one keep all limits, or nearly. Discs have flat faces and hard outlines, so
 // that steps are few and every cut crosses some of them. What is missed is recorded, so that it gets no
-// worse.
+// worse. A photograph of 256² has no room for groups enough: units far apart show the same one more often.
 INSTANTIATE_TEST_SUITE_P(Quality, MadePhotograph,
-                         testing::Values(Case{"ground", content_exchange, 1, 1.1}, Case{"ground", wang},
-                                         Case{"ground", interchange, 1, 1.3},
-                                         Case{"discs", content_exchange, 1.9, 1.3},
-                                         Case{"discs", wang, 1.05}),
+                         testing::Values(Case{"ground", content_exchange}, Case{"ground", wang},
+                                         Case{"ground", interchange, 1, 1, 3},
+                                         Case{"discs", content_exchange, 1.75}, Case{"discs", wang, 1.05}),
                          name_of);
 
 class Exemplar : public testing::TestWithParam<Case> {};
@@ -109,7 +111,7 @@ TEST_P(Exemplar, KeepsTheLimitsOfSeamsAndRepetitionOrItsRecordedMiss) {
 
 // One of eight, at defaults: `tessera quality` prints the figures of all of them, in minutes
 INSTANTIATE_TEST_SUITE_P(Quality, Exemplar,
-                         testing::Values(Case{"gravel-grey.png", content_exchange, 1.1, 1.2},
+                         testing::Values(Case{"gravel-grey.png", content_exchange, 1.06},
                                          Case{"fieldstone-wall.jpg", wang, 1.1}),
                          name_of);
 

@@ -15,8 +15,8 @@ using testing::SimulatedStream;
 constexpr Extent extent{20};
 
 struct Player {
-    explicit Player(Step interval)
-        : stream{{.bytes_per_second = 20e6, .one_way_ms = 25},
+    explicit Player(Step interval, double bytes_per_second = 20e6)
+        : stream{{.bytes_per_second = bytes_per_second, .one_way_ms = 25},
                  [](PageKey, std::uint32_t, std::uint64_t) { return std::string(slot_bytes, '\0'); }},
           residency{extent, stream, {}} {
         stream.interval = interval;
@@ -65,6 +65,20 @@ TEST(AnimatedPages, OfACoarseClockStayAsTheyAre) {
     player.stream.asked.clear();
     for (int i = 0; i < 100; ++i) EXPECT_TRUE(player.frame(0).is_current());
     EXPECT_TRUE(player.stream.asked.empty());
+}
+
+TEST(AnimatedPages, ThatChangeFasterThanTheyComeDoNotKeepTheRestOfTheViewBlurred) {
+    constexpr double pages_a_second = 10;
+    Player player{1, pages_a_second * 35'000};  // each of 60 steps a second is another
+    const auto needed = static_cast<double>(needed_pages({player.camera, 800, 700}, extent, 0).size());
+    int frames = 0;
+    while (player.frame(60).missing > 0)
+        // As if half of what comes were steps on the way, and of the rest each second page newer, not sharper
+        ASSERT_LT(++frames, static_cast<int>(4 * needed / pages_a_second * 62.5));
+    std::map<PageKey, int> asked;
+    int again = 0;
+    for (const PageRequest& request : player.stream.asked) again += ++asked[request.page] > 1 ? 1 : 0;
+    EXPECT_GT(again, 0) << "meanwhile what is shown goes on";
 }
 
 }  // namespace

@@ -97,12 +97,11 @@ TexelRegion region_of(const Place& place, int level, Step step) {
             .step = step};
 }
 
-/// Whether a cell of the region shows something else at `step` than a step before, or runs on.
+/// Whether a cell of the region shows something else at `step` than a step before.
 bool cells_change(const Moving& moving, const TexelRegion& region, Step step) {
     for (const PlannedTexture& texture : moving.plan.textures) {
         const auto* cells = std::get_if<ReferencePlan>(&texture.what);
         if (cells == nullptr || !cells->program->moves()) continue;
-        if (cells->program->scrolled(step).shift != cells->program->scrolled(step - 1).shift) return true;
         const std::int64_t side = std::int64_t{1} << region.level;
         const int cell_log2 = cells->grid.cell_log2;
         const std::int64_t left = (region.x * side) >> cell_log2, top = (region.y * side) >> cell_log2,
@@ -127,7 +126,8 @@ bool cells_change(const Moving& moving, const TexelRegion& region, Step step) {
                 cells->program->looks(row, before.data());
                 row.step = step;
                 cells->program->looks(row, after.data());
-                if (before != after) return true;
+                // Where cells scroll, too: what places show, and not which cell does
+                if (!std::equal(before.begin(), before.end(), after.begin(), shows_same)) return true;
                 for (std::int64_t i = x; cells->program->looks_at_targets() && i < x + count; ++i)
                     if (frame_changes(i, y)) return true;
             }

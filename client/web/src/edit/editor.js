@@ -1,5 +1,5 @@
 import {icon_button} from '../dom.js';
-import {Carry} from './carry.js';
+import {Carries} from './carries.js';
 import {listen_to_editor_keys} from './editor_keys.js';
 import {Hand, put_at} from './hand.js';
 import {History} from './history.js';
@@ -27,16 +27,15 @@ export class Editor {
   #placing = /** @type {number | null} */ (null);
   /** What the drag under way started from. @type {import('./sprite.js').Sprite[]} */
   #taken = [];
-  #carry = /** @type {Carry | null} */ (null);
+  /** What the drag under way carries. @type {import('./carry.js').Carry | null} */
+  #carry = null;
   #others = new OthersHands({
     find: (id) => this.book?.find(id),
-    take: (sprite, held) => this.#carry_of([sprite], [held]),
-    let_go: (carry) => this.#let_go(carry),
+    take: (sprite, held) => this.carries.add([sprite], [held]),
+    let_go: (carry) => this.carries.let_go(carry),
   });
   active = false;
   side = 1;
-  /** Sprites that are drawn over the pages: the one in the hand last. @type {Carry[]} */
-  carries = [];
   /** @type {PatternImages | null} */
   patterns = null;
   /** @type {SpriteBook | null} */
@@ -58,6 +57,7 @@ export class Editor {
   constructor(live, map) {
     this.#live = live;
     this.#map = map;
+    this.carries = new Carries(map, () => this.side, () => this.#show());
     this.layer = new SpriteLayer(this, map.texture, map.store);
     this.#hand = new Hand(this, map.canvas, this.#closed.signal);
     this.history = new History((changes) => live.edit(changes));
@@ -83,7 +83,7 @@ export class Editor {
     this.#others.close();
     this.patterns?.close();
     this.book?.close();
-    for (const carry of this.carries) carry.close();
+    this.carries.close();
   }
 
   get smooth() {
@@ -127,21 +127,6 @@ export class Editor {
   /** @param {{x: number, y: number}} texel */
   sprite_at(texel) {
     return this.book?.at(texel, this.#map.resolution(), this.#map.step());
-  }
-
-  /** What is shown of a page instead of its picture. @param {import('../texture.js').PageKey} page */
-  instead(page) {
-    for (let i = this.carries.length - 1; i >= 0; --i) {
-      const image = this.carries[i].instead(page);
-      if (image) return image;
-    }
-    return null;
-  }
-
-  /** Lets go of what the pages show by now. @param {import('../texture.js').PageKey[]} pages In view. */
-  tidy(pages) {
-    const done = this.carries.filter((carry) => carry.revision !== null && (carry.is_late || !pages.some((page) => carry.awaits(page))));
-    for (const carry of done) this.#let_go(carry);
   }
 
   /** After each frame. @param {{x0: number, y0: number, x1: number, y1: number}} view */
@@ -223,7 +208,7 @@ export class Editor {
 
   /** Nothing came of it. */
   drop_nothing() {
-    if (this.#carry) this.#let_go(this.#carry);
+    if (this.#carry) this.carries.let_go(this.#carry);
     this.#carry = null;
     this.marquee = null;
     this.#live.be_at({held: undefined});
@@ -260,14 +245,14 @@ export class Editor {
     const {x, y} = sprite;
     const side = this.#map.texture.side_texels;
     if (x < 0 || y < 0 || x >= side || y >= side) return this.#map.say('That is outside of the texture');
-    this.#make([{change: {case: 'placeSprite', value: placement_of(sprite)}}], this.#carry_of([], [sprite]));
+    this.#make([{change: {case: 'placeSprite', value: placement_of(sprite)}}], this.carries.add([], [sprite]));
   }
 
   remove() {
     const gone = this.selection;
     if (gone.length === 0) return;
     this.#select([]);
-    this.#make(gone.map(({id}) => ({change: {case: 'removeSprite', value: {id}}})), this.#carry_of(gone, []));
+    this.#make(gone.map(({id}) => ({change: {case: 'removeSprite', value: {id}}})), this.carries.add(gone, []));
   }
 
   duplicate() {
@@ -276,7 +261,7 @@ export class Editor {
     const {x0, x1} = box_around(selection.map((sprite) => box_of(this.now(sprite), this.side)));
     const shift = Math.max(8, Math.min((x1 - x0) / 4, 24 * this.#map.resolution()));
     const copies = transformed(selection, {dx: shift, dy: shift}).map((sprite) => ({...sprite, id: new_sprite_id()}));
-    this.#make(copies.map((sprite) => ({change: {case: 'placeSprite', value: placement_of(sprite)}})), this.#carry_of([], copies));
+    this.#make(copies.map((sprite) => ({change: {case: 'placeSprite', value: placement_of(sprite)}})), this.carries.add([], copies));
     this.#select(copies.map(({id}) => id));
   }
 
@@ -300,21 +285,21 @@ export class Editor {
   /** @param {(sprite: import('./sprite.js').Sprite) => import('./sprite.js').Sprite} change */
   #change_each(change) {
     const taken = this.selection;
-    this.#put(this.#carry_of(taken, taken.map(change)), taken);
+    this.#put(this.carries.add(taken, taken.map(change)), taken);
   }
 
-  /** Makes what a carry has done to the sprites that were taken. @param {Carry} carry @param {import('./sprite.js').Sprite[]} taken */
+  /** Makes what a carry has done to the sprites that were taken. @param {import('./carry.js').Carry} carry @param {import('./sprite.js').Sprite[]} taken */
   #put(carry, taken) {
     const changes = carry.sprites.flatMap((sprite, i) => changes_between(taken[i], sprite));
-    if (changes.length === 0) this.#let_go(carry);
+    if (changes.length === 0) this.carries.let_go(carry);
     else this.#make(changes, carry);
   }
 
-  /** @param {any[]} changes @param {Carry} carry */
+  /** @param {any[]} changes @param {import('./carry.js').Carry} carry */
   async #make(changes, carry) {
     this.#show();
     const answer = await this.#try(() => this.#live.edit(changes));
-    if (!answer) return this.#let_go(carry);
+    if (!answer) return this.carries.let_go(carry);
     this.history.done(answer);
     carry.put_down(Number(answer.revision), answer.dirty.map(numbers_of));
     this.#show();
@@ -351,35 +336,14 @@ export class Editor {
   #was_selected = 0;
 
   #begin_carry() {
-    if (this.#carry) this.#let_go(this.#carry);
+    if (this.#carry) this.carries.let_go(this.#carry);
     this.#taken = this.selection;
-    this.#carry = this.#carry_of(this.#taken, this.#taken);
-  }
-
-  /** @param {import('./sprite.js').Sprite[]} taken @param {import('./sprite.js').Sprite[]} sprites */
-  #carry_of(taken, sprites) {
-    const {texture, store, options, changed} = this.#map;
-    const others = taken.length > 0 ? this.carries.flatMap(({ids}) => ids) : [];
-    const carry = new Carry({texture, store, options, side: this.side, changed}, taken, sprites, others);
-    this.carries.push(carry);
-    changed();
-    return carry;
-  }
-
-  /** @param {Carry} carry */
-  #let_go(carry) {
-    this.carries = this.carries.filter((other) => other !== carry);
-    carry.close();
-    this.#show();
+    this.#carry = this.carries.add(this.#taken, this.#taken);
   }
 
   /** A sprite as it is drawn now. @param {bigint} id */
   #now(id) {
-    for (let i = this.carries.length - 1; i >= 0; --i) {
-      const carried = this.carries[i].sprites.find((sprite) => sprite.id === id);
-      if (carried) return carried;
-    }
-    return this.book?.find(id);
+    return this.carries.find(id) ?? this.book?.find(id);
   }
 
   /** @param {bigint[]} ids */
@@ -459,6 +423,6 @@ export class Editor {
     const taken = this.selection;
     if (taken.length === 0) return;
     const {x0, y0, x1, y1} = box_around(taken.map((sprite) => box_of(this.now(sprite), this.side)));
-    this.#put(this.#carry_of(taken, transformed(taken, {about: {x: (x0 + x1) / 2, y: (y0 + y1) / 2}, ...how})), taken);
+    this.#put(this.carries.add(taken, transformed(taken, {about: {x: (x0 + x1) / 2, y: (y0 + y1) / 2}, ...how})), taken);
   }
 }

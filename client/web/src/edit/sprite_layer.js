@@ -34,8 +34,8 @@ export class SpriteLayer extends Layer {
     const canvas = this.#canvas;
     canvas.begin(frame);
     const pages = pages_meeting(canvas.box, level_for(frame.viewState.resolution, this.#coarsest), this.#coarsest);
-    this.#editor.tidy(pages);
-    for (const carry of this.#editor.carries) this.#draw_carry(carry, pages);
+    this.#editor.carries.tidy(pages);
+    for (const carry of this.#editor.carries.list) this.#draw_carry(carry, pages);
     this.#draw_others();
     if (this.#editor.active) this.#draw_selection();
     return canvas.element;

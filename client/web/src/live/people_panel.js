@@ -1,4 +1,4 @@
-import {element} from '../dom.js';
+import {element, keep_in_window} from '../dom.js';
 import {fit_name} from './identity.js';
 
 const most_avatars = 4;
@@ -68,7 +68,9 @@ export class PeoplePanel {
   #toggle(open) {
     this.#menu.hidden = !open;
     this.#button.setAttribute('aria-expanded', String(open));
-    if (open && !this.#actions.name) this.#name.focus();
+    if (!open) return;
+    keep_in_window(this.#menu);
+    if (!this.#actions.name) this.#name.focus();
   }
 
   close_menu() {

@@ -1,5 +1,8 @@
 #include "client/edit/command_line.h"
 
+#include <iterator>
+#include <sstream>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -82,6 +85,45 @@ TEST(CommandLine, WhatIsWrongEndsWithTwo) {
         EXPECT_FALSE(line.go_on);
         EXPECT_EQ(line.exit_code, 2) << (words.empty() ? "nothing" : words.front());
     }
+}
+
+TEST(CommandLine, EachCommandShowsAUsageThatCanBeTypedAndExamplesThatAreRight) {
+    for (const std::string command : {"place", "move", "remove", "paint", "set", "animate", "target", "clock",
+                                      "apply", "undo", "lines", "watch"}) {
+        const std::vector<const char*> words{"tessera-edit", command.c_str(), "--help"};
+        testing::internal::CaptureStdout();
+        const auto help = read_edit_command_line(static_cast<int>(words.size()), words.data());
+        const std::string text = testing::internal::GetCapturedStdout();
+        EXPECT_FALSE(help.go_on);
+        EXPECT_EQ(help.exit_code, 0);
+        EXPECT_THAT(text, HasSubstr("Usage: tessera-edit URL SCENE " + command));
+        testing::internal::CaptureStdout();
+        EXPECT_EQ(read({command.c_str(), "--help"}).exit_code, 0);
+        EXPECT_EQ(testing::internal::GetCapturedStdout(), text) << "with or without URL and SCENE";
+
+        // What can be read without files is read
+        std::istringstream lines{text};
+        int examples = 0;
+        for (std::string line; std::getline(lines, line);) {
+            if (!line.starts_with("  tessera-edit http")) continue;
+            ++examples;
+            if (command == "apply" || command == "undo" || command == "lines") continue;
+            std::istringstream in{line};
+            std::vector<std::string> parts{std::istream_iterator<std::string>{in}, {}};
+            std::vector<const char*> arguments;
+            for (const std::string& part : parts) arguments.push_back(part.c_str());
+            EXPECT_TRUE(read_edit_command_line(static_cast<int>(arguments.size()), arguments.data()).go_on)
+                << line;
+        }
+        EXPECT_GE(examples, 1) << command;
+    }
+}
+
+TEST(CommandLine, ACommandWithoutUrlAndSceneIsToldWhereTheyStand) {
+    const std::vector<const char*> words{"tessera-edit", "place", "1", "2"};
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(read_edit_command_line(static_cast<int>(words.size()), words.data()).exit_code, 2);
+    EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("URL and SCENE come first"));
 }
 
 TEST(EditWords, SayWhatBecameOfAnEdit) {

@@ -1,5 +1,8 @@
 #include "client/link/scene_info.h"
 
+#include <atomic>
+#include <chrono>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -37,6 +40,21 @@ TEST(SceneInfo, NamesTheChannelSets) {
     EXPECT_THAT(check_channels(*info, ChannelSet::height).error().detail, HasSubstr("it has albedo, normal"));
 }
 
+TEST(SceneInfo, HasTheOpeningViewThatAServerTells) {
+    const auto view_of = [](const std::string& view) {
+        return parse_scene_info(
+                   R"({"tessera": {"id": "a", "page_side": 256, "extent_log2_pages": 2)" + view + "}}",
+                   "here")
+            .value()
+            .view;
+    };
+    EXPECT_EQ(view_of(""), std::nullopt);
+    EXPECT_EQ(view_of(R"(, "view": {"x": "7", "y": 9, "level": -1.5})"), (OpeningView{7, 9, -1.5}));
+    EXPECT_EQ(view_of(R"(, "view": {"x": "-7", "y": "99999999999", "level": "Infinity"})"),
+              (OpeningView{0, 1023, 1}))
+        << "another server's mistake ends inside the extent";
+}
+
 TEST(SceneInfo, NamesTheScenesThereAreIfTheOneAskedForIsNotAmongThem) {
     SmallServer server{[](const SmallServer::Request& request) {
         if (request.target() == "/scenes")
@@ -47,6 +65,31 @@ TEST(SceneInfo, NamesTheScenesThereAreIfTheOneAskedForIsNotAmongThem) {
     ASSERT_FALSE(info);
     EXPECT_EQ(info.error().code, ErrorCode::no_such_scene);
     EXPECT_THAT(info.error().detail, HasSubstr("pebbles, stones"));
+}
+
+TEST(SceneInfo, IsWaitedForWhileTheServerLoadsItsScenes) {
+    std::atomic<int> asked = 0;
+    SmallServer server{[&](const SmallServer::Request&) {
+        return ++asked < 3 ? SmallServer::Answer{.status = 503}
+                           : SmallServer::Answer{.body = test::small_tile_json(12)};
+    }};
+    int told = 0;
+    const auto info =
+        await_scene_info(server.address(), "checker", std::chrono::seconds{60}, [&] { ++told; });
+    ASSERT_TRUE(info) << info.error().detail;
+    EXPECT_EQ(asked, 3);
+    EXPECT_EQ(told, 1);
+}
+
+TEST(SceneInfo, IsNotWaitedForLongerThanPatienceNorWhereThereIsNone) {
+    std::atomic<unsigned> status = 503;
+    SmallServer server{[&](const SmallServer::Request&) { return SmallServer::Answer{.status = status}; }};
+    const auto ask = [&](std::chrono::milliseconds patience) {
+        return await_scene_info(server.address(), "checker", patience, [] {}).error().code;
+    };
+    EXPECT_EQ(ask(std::chrono::milliseconds{100}), ErrorCode::overloaded);
+    status = 404;
+    EXPECT_EQ(ask(std::chrono::hours{1}), ErrorCode::no_such_scene);
 }
 
 TEST(SceneInfo, RefusesWhatIsNoTesseraServerAndPagesItCannotShow) {

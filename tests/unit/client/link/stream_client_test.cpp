@@ -1,4 +1,6 @@
 // Connections: how they are lost, and what is made of it.
+#include <thread>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -272,6 +274,22 @@ TEST(StreamClient, PresenceClocksAndEditsOfOthersAreHeard) {
     EXPECT_EQ(listening.people.at(0).people(0).presence().x(), 12.5);
     EXPECT_EQ(listening.clocks.at(0).step(), 5);
     EXPECT_EQ(listening.edits[0].author(), "Ada");
+}
+
+TEST(StreamClient, AProgramThatStoodStillDoesNotTakeItForTheServersSilence) {
+    SmallStreamServer server{[](StreamPeer& peer, int) -> asio::awaitable<void> {
+        co_await peer.greet();
+        co_await peer.stay();
+    }};
+    StreamSettings settings = Listening::quick();
+    settings.ping_every = milliseconds{20000};  // nothing waits to be heard
+    settings.limits.silence_timeout = milliseconds{2000};
+    Listening listening{server.address(), settings};
+    ASSERT_TRUE(listening.run_until([&] { return listening.client->statistics().round_trip.count() > 0; }));
+    std::this_thread::sleep_for(milliseconds{2500});
+    listening.run_for(milliseconds{300});
+    EXPECT_TRUE(listening.lost.empty()) << listening.lost.front().detail;
+    EXPECT_TRUE(listening.run_until([&] { return !listening.lost.empty(); })) << "while it runs, it counts";
 }
 
 TEST(StreamClient, MeasuresTheRoundTrip) {

@@ -249,5 +249,52 @@ TEST(StreamPages, AnAskWithoutAnAnswerTimesOutAndItsLateAnswerIsDropped) {
     EXPECT_EQ(listening.client->statistics().mistakes, 0u);
 }
 
+/// Four asks that get no answer in time, of a client that has room for four.
+struct SlowDay {
+    explicit SlowDay(bool drops, milliseconds cancel_timeout)
+        : server{[drops](StreamPeer& peer, int) -> asio::awaitable<void> {
+              co_await peer.greet();
+              while (const auto message = co_await peer.hear(proto::ClientMessage::kCancel))
+                  for (const std::uint32_t id : message->cancel().ids()) {
+                      proto::ServerMessage refusal;
+                      refusal.mutable_refused()->set_id(id);
+                      refusal.mutable_refused()->set_why(proto::PageRefusal::cancelled);
+                      if (drops) co_await peer.say(refusal);
+                  }
+          }},
+          listening{server.address(), settings(cancel_timeout)} {
+        listening.ask_when_open({{.id = 1, .page = {0, 0, 0}, .have = {}},
+                                 {.id = 2, .page = {0, 1, 0}, .have = {}},
+                                 {.id = 3, .page = {0, 2, 0}, .have = {}},
+                                 {.id = 4, .page = {0, 3, 0}, .have = {}}});
+    }
+    static StreamSettings settings(milliseconds cancel_timeout) {
+        StreamSettings settings = Listening::quick();
+        settings.max_asks = 4;
+        settings.answer_timeout = milliseconds{100};
+        settings.cancel_timeout = cancel_timeout;
+        settings.limits.silence_timeout = milliseconds{20000};  // pings are not what is looked at
+        return settings;
+    }
+    SmallStreamServer server;
+    Listening listening;
+};
+
+TEST(StreamPages, AServerThatIsMerelySlowIsNotLeftHoweverManyAsksItKeepsWaiting) {
+    SlowDay day{true, milliseconds{8000}};
+    ASSERT_TRUE(day.listening.wait_for_pages(4));
+    for (const StreamPage& page : day.listening.pages)
+        EXPECT_EQ(page.texels.error().code, ErrorCode::timed_out);
+    ASSERT_TRUE(day.listening.run_until([&] { return day.listening.client->statistics().asks == 0; }));
+    day.listening.run_for(milliseconds{250});
+    EXPECT_TRUE(day.listening.lost.empty());
+}
+
+TEST(StreamPages, AServerThatDoesNotEvenSayThatItDroppedAsksIsLeft) {
+    SlowDay day{false, milliseconds{150}};
+    ASSERT_TRUE(day.listening.run_until([&] { return !day.listening.lost.empty(); }));
+    EXPECT_THAT(day.listening.lost[0].detail, HasSubstr("most asks for pages without an answer"));
+}
+
 }  // namespace
 }  // namespace tessera

@@ -80,7 +80,10 @@ class RepeatedPages {
     }
 
     TexelTextures textures() const {
-        return {store_->texture(), store_->coded_texture(), table_texture_.texture(), integrals_->texture()};
+        return {.colour = store_->texture(),
+                .coded = store_->coded_texture(),
+                .table = table_texture_.texture(),
+                .integrals = integrals_->texture()};
     }
 
   private:

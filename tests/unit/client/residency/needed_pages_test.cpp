@@ -97,8 +97,8 @@ std::set<PageKey> footprint_pages(const PlaneView& view, Extent extent, const Sa
             if (sampling.kind == Sampling::Kind::line_integral) {
                 const double wide = right - left, high = bottom - top;
                 if (std::min(wide, high) < 2) continue;  // grown to a texel: another formula
-                const double exact =
-                    line_integral_level(std::min(wide, high), std::max(wide, high), sampling.columns);
+                const double exact = std::log2(
+                    line_integral_column(std::min(wide, high), std::max(wide, high), sampling.columns));
                 if (std::abs(exact - std::round(exact)) < 0.01) continue;  // either level is right
                 finest = coarsest = std::ceil(exact);
             } else {

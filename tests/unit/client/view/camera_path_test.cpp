@@ -80,5 +80,22 @@ TEST(FirstCamera, StandsInsideTheSmallestAndTheWidestExtent) {
     }
 }
 
+TEST(FirstCamera, LooksAtTheOpeningViewsMiddleWithItsTexelsUnderAPixel) {
+    const Extent extent{10};
+    for (const OpeningView view : {OpeningView{131072, 100000, 2}, OpeningView{3, 4, -6},
+                                   OpeningView{9, extent.side_texels() - 1, 0}, OpeningView{0, 0, 10}}) {
+        const Camera camera = first_camera(view, extent, 700);
+        const double radians = std::numbers::pi / 180, down = -camera.pitch_degrees * radians;
+        const double distance = camera.height_texels / std::sin(down);
+        EXPECT_NEAR(2 * distance * std::tan(camera.field_of_view_degrees / 2 * radians) / 700,
+                    std::exp2(view.level), 1e-9 * std::exp2(view.level));
+        EXPECT_EQ(camera.yaw_degrees, 0);
+        const PlanePoint seen = camera.ground.moved(0, -distance * std::cos(down));
+        EXPECT_EQ(seen.x, view.x);
+        EXPECT_EQ(seen.y, view.y);
+        EXPECT_LT(camera.ground.y, extent.side_texels());
+    }
+}
+
 }  // namespace
 }  // namespace tessera

@@ -63,6 +63,16 @@ class HeadlessRun : public ::testing::Test {
     std::unique_ptr<GlContext> context_;
 };
 
+TEST_F(HeadlessRun, SaysHowFarItIsAfterEachFrame) {
+    FakePageSource source{noise_page, 1};
+    source.deliver_at_once = 1000;
+    HeadlessJob asked = job(3);
+    std::vector<int> told;
+    asked.progress = [&](int frames) { told.push_back(frames); };
+    ASSERT_TRUE(run(asked, source));
+    EXPECT_EQ(told, (std::vector{1, 2, 3}));
+}
+
 TEST_F(HeadlessRun, DrawsTheSameFramesWhateverTheOrderInWhichPagesCome) {
     std::vector<std::string> hashes[2];
     for (unsigned seed = 0; seed < 2; ++seed) {

@@ -38,6 +38,24 @@ TEST_F(AccessTest, LoopbackEditsWithoutATokenInAnybodysName) {
     EXPECT_EQ(author_of("", decision).value(), "");
 }
 
+TEST_F(AccessTest, ATokenThatIsSaidCountsOnThisMachineToo) {
+    const std::string viewer = make_token();
+    const Access access =
+        load(token_line("editor", "ada", token_, "") + "\n" + token_line("viewer", "bob", viewer, ""))
+            .value();
+    EXPECT_TRUE(access.may_edit({true, token_}).allowed);
+    EXPECT_TRUE(access.may_edit({true, ""}).allowed);
+    for (const Access& asked : {access, Access{}}) {
+        const auto wrong = asked.may_edit({true, make_token()});
+        EXPECT_FALSE(wrong.allowed);
+        EXPECT_FALSE(wrong.other_role);
+        EXPECT_THAT(wrong.why, HasSubstr("leave it out"));
+    }
+    const auto bob = access.may_edit({true, viewer});
+    EXPECT_FALSE(bob.allowed);
+    EXPECT_TRUE(bob.other_role);
+}
+
 TEST_F(AccessTest, ElsewhereNeedsATokenOfTheRoleEditor) {
     const std::string viewer = make_token();
     const Access access = load("# who may edit\n\n" + token_line("editor", "ada", token_, "") + "\r\n" +
@@ -89,8 +107,9 @@ TEST_F(AccessTest, ATokenIsGoodThroughItsLastDay) {
     EXPECT_FALSE(late.allowed);
     EXPECT_FALSE(late.other_role);
     EXPECT_THAT(late.why, HasSubstr("expired"));
-    EXPECT_TRUE(access.may_edit({true, token_}, midnight).allowed);
-    EXPECT_EQ(access.may_edit({true, token_}, midnight).name, "");
+    const auto here = access.may_edit({true, token_}, midnight);
+    EXPECT_FALSE(here.allowed);
+    EXPECT_THAT(here.why, HasSubstr("expired"));
 }
 
 TEST_F(AccessTest, WhatIsWrongInAFileIsNamedWithItsLine) {

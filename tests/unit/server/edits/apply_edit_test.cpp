@@ -80,6 +80,29 @@ TEST(ApplyEdit, NamesWhatIsWrong) {
     EXPECT_TRUE(says(nothing, "says nothing"));
 }
 
+TEST(ApplyEdit, AMoveToWhereItStandsDirtiesNoPage) {
+    SpriteBook book;
+    ASSERT_TRUE(apply_edit(placing(1, 10, 10), patterns, book));
+    const std::string before = book_text(book);
+    const auto applied = apply_edit(moving(1, 10, 10), patterns, book);
+    ASSERT_TRUE(applied);
+    EXPECT_TRUE(applied->dirty.empty());
+    EXPECT_EQ(applied->inverse.changes_size(), 1);
+    EXPECT_EQ(book_text(book), before);
+    EXPECT_FALSE(apply_edit(moving(1, 10, 10.5), patterns, book)->dirty.empty());
+}
+
+TEST(CheckMoves, RefusesThatWhichSetsNothing) {
+    proto::Edit edit = placing(1, 10, 10);
+    edit.add_changes()->mutable_move_sprite()->set_id(1);
+    const auto checked = check_moves(edit, {10});
+    ASSERT_FALSE(checked);
+    EXPECT_EQ(checked.error().detail.find("changes[1].move_sprite: sets nothing"), 0u)
+        << checked.error().detail;
+    edit.mutable_changes(1)->mutable_move_sprite()->set_turn(0);
+    EXPECT_TRUE(check_moves(edit, {10}));
+}
+
 TEST(CanonicalEdit, IsTheMeaningAlone) {
     proto::Edit edit = placing(1, 10, 10);
     const auto bytes = canonical_edit(edit);

@@ -239,6 +239,24 @@ TEST_F(DocumentEdits, AnEditThatPlansTheSceneAgainAndAgainIsRefused) {
     EXPECT_TRUE(apply(paint_first));
 }
 
+TEST_F(DocumentEdits, AnEditWhosePlansTakeTooLongIsRefusedBeforeItIsInAndNeverBehind) {
+    proto::Edit edit;
+    for (int i = 0; i < 3; ++i) {
+        set(edit, "which", "count", 2 + i);
+        paint(edit, "kinds", 0, 0, 1, 1, 0);
+    }
+    LiveDocument document = document_;
+    const auto late = apply_to_document(edit, {}, document, Planning::in_time, 0);
+    ASSERT_FALSE(late);
+    EXPECT_EQ(late.error().detail.find("changes[1].paint_map.block: "), 0u) << late.error().detail;
+    EXPECT_NE(late.error().detail.find("takes too long"), std::string::npos);
+    EXPECT_EQ(document.message, document_.message);
+    for (const Planning planning : {Planning::now, Planning::later}) {
+        LiveDocument replayed = document_;
+        EXPECT_TRUE(apply_to_document(edit, {}, replayed, planning, 0));
+    }
+}
+
 TEST_F(DocumentEdits, TargetsAreSetMovedAndRemoved) {
     proto::Edit edit;
     proto::Target& target = *edit.add_changes()->mutable_set_target();

@@ -100,6 +100,14 @@ TEST(LiveScene, OnlyPagesUnderAnEditGetItsRevision) {
     EXPECT_EQ(revisions.of({10, 0, 0}, 16), 3u);
 }
 
+TEST(LiveScene, AMoveToWhereItStandsIsARevisionButOfNoPage) {
+    const auto live = open(memory_journal({}));
+    ASSERT_TRUE(accepted(edit_and_wait(*live, placing(1, 100, 100))));
+    ASSERT_TRUE(accepted(edit_and_wait(*live, moving(1, 100, 100))));
+    EXPECT_EQ(live->now()->revision, 2u);
+    EXPECT_EQ(live->now()->page_revisions.of({0, 0, 0}, 16), 1u);
+}
+
 TEST(LiveScene, ARetryIsTheSameEditAndAnotherEditUnderItsIdIsRefused) {
     const auto live = open(memory_journal({}));
     const proto::Edit place = placing(1, 50, 50), move = moving(1, 60, 50);
@@ -146,6 +154,9 @@ TEST(LiveScene, WhatCannotBeIsRefusedAndChangesNothing) {
     proto::Edit nameless = placing(1, 0, 0);
     nameless.set_id("edit 1");
     EXPECT_TRUE(wrong(nameless));
+    proto::Edit nil = placing(1, 0, 0);
+    nil.set_id(to_string(EditId{}));
+    EXPECT_TRUE(wrong(nil));
     EXPECT_TRUE(wrong(new_edit()));
     EXPECT_TRUE(wrong(moving(1, 0, 0)));
     EXPECT_TRUE(wrong(placing(1, 0, 0, 99)));

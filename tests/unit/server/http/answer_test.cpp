@@ -37,6 +37,7 @@ TEST(ErrorAnswer, TellsPassingFromLastingAndKeepsTheInsideInside) {
     const Answer busy = error_answer({ErrorCode::overloaded, "too many"});
     EXPECT_EQ(busy.status, 503u);
     EXPECT_NE(busy.fields.find("Retry-After: 1\r\n"), std::string::npos);
+    EXPECT_NE(busy.fields.find("Refresh: 1\r\n"), std::string::npos) << "a browser would stay with it";
     const Answer broken = error_answer({ErrorCode::io_failure, "/home/someone/secret.png: cannot be read"});
     EXPECT_EQ(broken.status, 500u);
     const std::string body(broken.body.begin(), broken.body.end());

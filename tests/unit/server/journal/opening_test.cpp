@@ -267,7 +267,7 @@ class Told final : public Progress {
   public:
     explicit Told(int calls) : calls_{calls} {}
     void advance(std::string_view stage, double fraction) override {
-        EXPECT_EQ(stage, "check the journal");
+        EXPECT_EQ(stage, "checking the journal");
         EXPECT_GE(fraction, last);
         EXPECT_LE(fraction, 1);
         last = fraction;

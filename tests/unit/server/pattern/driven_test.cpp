@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "server/pattern/targeted_texture.h"
-#include "tests/support/made_patterns.h"
+#include "tests/support/random_pattern_files.h"
 #include "tests/unit/server/blocks/pattern_text.h"
 
 namespace tessera {
@@ -12,21 +12,8 @@ namespace {
 
 using testing::HasSubstr;
 
-class NoisyFiles final : public BlockFiles {
-  public:
-    Result<PatternImages> read_patterns(const std::string&, const proto::PatternSet& set) override {
-        return made_patterns(static_cast<std::int32_t>(set.side_texels()), 8);
-    }
-    Result<StoredMap> read_map(const std::string& field, const std::string&) override {
-        return Error{ErrorCode::invalid_input, field + ": no such file"};
-    }
-    Result<std::shared_ptr<const Texture>> read_exchange(const std::string&, const proto::Block&) override {
-        return std::shared_ptr<const Texture>{};
-    }
-};
-
 Result<Plan> compiled(const std::string& blocks) {
-    NoisyFiles files;
+    RandomPatternFiles files{8};
     return compile_plan(pattern_of(blocks), files);
 }
 

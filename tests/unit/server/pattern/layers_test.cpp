@@ -3,6 +3,7 @@
 #include "server/pattern/instance_texture.h"
 #include "server/pattern/layered_texture.h"
 #include "server/pattern/mean_products.h"
+#include "server/pattern/measured_error.h"
 #include "server/texture/constant_texture.h"
 #include "tests/unit/server/pattern/laws.h"
 #include "tests/unit/server/pattern/made_programs.h"
@@ -107,7 +108,7 @@ LinearImage truth(const Texture& texture, const TexelRegion& region) {
                              : reduced(evaluated(texture, below(region, region.level)), region.level);
 }
 
-TEST(Layers, OfSeveralGridsAreNeverBeyondTheirCertainBound) {
+TEST(Layers, OfSeveralGridsAreNeverBeyondTheirBound) {
     const Plan plan = plan_of({filled(made_grid(4, 256, 1), 1, true), filled(made_grid(5, 256, 2), 2, false),
                                turned(made_grid(5, 256, 3), 3), LayersPlan{{0, 1, 2}}});
     const auto texture = make_pattern_texture(plan);
@@ -118,7 +119,9 @@ TEST(Layers, OfSeveralGridsAreNeverBeyondTheirCertainBound) {
             const LinearImage page = evaluated(*texture, region, accuracy, &evaluation);
             const double difference = largest_difference(page, truth(*texture, region));
             EXPECT_LE(difference, evaluation.bound_codes + 1e-3) << name_of(accuracy) << " " << level;
-            EXPECT_EQ(evaluation.confidence, 1);
+            // What exact leaves open is bounded by what was measured
+            EXPECT_GE(evaluation.confidence,
+                      accuracy == Accuracy::exact && level > 3 ? measured_confidence : 1.0);
             if (accuracy == Accuracy::exact && level <= 3) {
                 EXPECT_LE(evaluation.bound_codes, 0.51) << level;
             }

@@ -47,7 +47,7 @@ TEST(Overflow, LevelZeroIsTheInstancesInReadingOrder) {
     EXPECT_LE(evaluation.bound_codes, 0.001);
 }
 
-TEST(Overflow, IsNeverBeyondItsCertainBound) {
+TEST(Overflow, IsNeverBeyondItsBound) {
     for (const bool independent : {false, true}) {
         const auto texture = make_overflow_texture(hanging(independent));
         for (const Accuracy accuracy : accuracies)

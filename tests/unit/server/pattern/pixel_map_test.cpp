@@ -131,7 +131,7 @@ TEST(PixelMap, InsideOneFamilyCostsAndGivesThatFamily) {
     EXPECT_FALSE(std::equal(both.row(3), both.row(3) + 24 * 4, right.row(3)));
 }
 
-TEST(PixelMap, IsNeverBeyondItsCertainBound) {
+TEST(PixelMap, IsNeverBeyondItsBound) {
     for (const auto edge : {StoredMap::Edge::wrap, StoredMap::Edge::clamp}) {
         const auto texture = make_pattern_texture(mapped(made_map(45, 61, 4, edge, 1, 5)));
         for (const Accuracy accuracy : accuracies)

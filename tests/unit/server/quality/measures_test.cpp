@@ -248,16 +248,21 @@ TEST_F(Measures, GatesAreThoseOfTheMethod) {
     Repetition repetition;
     repetition.levels.resize(1);
     repetition.levels[0].greatest.value = 0.08;
-    const auto exchange = gates_of(asset, seams, repetition);
+    TileShare share;
+    share.shifted.value = 0.11;
+    const auto exchange = gates_of(asset, seams, repetition, share);
     ASSERT_EQ(exchange.size(), 5U);
     EXPECT_TRUE(exchange[0].passed());
     EXPECT_FALSE(exchange[1].passed());
     EXPECT_NEAR(exchange[4].limit, 1.0 / 24 + 0.03, 1e-9) << "what is dropped does not count";
     EXPECT_FALSE(exchange[4].passed());
     asset.method = ExchangeMethod::interchange;
-    EXPECT_TRUE(gates_of(asset, seams, repetition)[4].passed());
+    const auto interchange = gates_of(asset, seams, repetition, share);
+    ASSERT_EQ(interchange.size(), 6U);
+    EXPECT_TRUE(interchange[4].passed());
+    EXPECT_FALSE(interchange[5].passed()) << "units repeat, if not tiles";
     asset.method = ExchangeMethod::wang;
-    EXPECT_EQ(gates_of(asset, seams, repetition).size(), 4U);
+    EXPECT_EQ(gates_of(asset, seams, repetition, share).size(), 4U);
 }
 
 }  // namespace

@@ -112,7 +112,8 @@ TEST_F(Report, HasItsFiguresBesideItForProgramsAndIsTheSameOnceMore) {
     const std::string json = read(folder.path / "stones.json");
     for (const char* key :
          {"\"method\": \"content_exchange\"", "\"tile_side\": 64", "\"gates\": [", "\"hard_ratio\"",
-          "\"repetition\": [", "\"tile_share\"", "\"fidelity\"", "\"contents_seam_ratio\""})
+          "\"natural_ratio\"", "\"excess\"", "\"new_edges\"", "\"quiet_ratio\"", "\"repetition\": [",
+          "\"tile_share\"", "\"fidelity\"", "\"contents_seam_ratio\""})
         EXPECT_THAT(json, HasSubstr(key));
     EXPECT_EQ(occurrences(json, "{"), occurrences(json, "}"));
     Watched again;
@@ -140,7 +141,7 @@ TEST_F(Report, SaysOfInterchangeHowItComparesWithThePapersOwnChoice) {
     const std::string page = read(html);
     EXPECT_THAT(page, HasSubstr("choice: kolar"));
     EXPECT_THAT(page, HasSubstr("Coverage"));
-    EXPECT_THAT(page, HasSubstr("of 5 gates failed")) << "a plain tile repeats";
+    EXPECT_THAT(page, HasSubstr("of 6 gates failed")) << "a plain tile repeats";
 }
 
 TEST_F(Report, ShowsTheCornersOfWangTiles) {

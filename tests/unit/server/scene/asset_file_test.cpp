@@ -23,10 +23,10 @@ void expect_same(const ExchangeAsset& read, const ExchangeAsset& made) {
     ASSERT_EQ(read.patches.size(), made.patches.size());
     for (std::size_t p = 0; p < made.patches.size(); ++p) {
         SCOPED_TRACE(p);
-        const auto& [x, y, width, height, contents, set] = read.patches[p];
-        EXPECT_EQ(std::tuple(x, y, width, height, set),
+        const auto& [x, y, width, height, contents, set, group] = read.patches[p];
+        EXPECT_EQ(std::tuple(x, y, width, height, set, group),
                   std::tuple(made.patches[p].x, made.patches[p].y, made.patches[p].width,
-                             made.patches[p].height, made.patches[p].set));
+                             made.patches[p].height, made.patches[p].set, made.patches[p].group));
         ASSERT_EQ(contents.size(), made.patches[p].contents.size());
         for (std::size_t c = 0; c < contents.size(); ++c) {
             EXPECT_EQ(contents[c].at, made.patches[p].contents[c].at);

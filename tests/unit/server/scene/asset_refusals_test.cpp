@@ -34,6 +34,8 @@ TEST_F(AssetFile, fields_that_do_not_fit_are_named) {
         {[](auto& m) { m.mutable_patches_info(3)->set_x(-1); }, "patches_info[3].x: is -1; from 0 to 15"},
         {[](auto& m) { m.mutable_patches_info(3)->set_set("a"); },
          "patches_info[3].set: is \"a\"; only interchange has sets"},
+        {[](auto& m) { m.mutable_patches_info(3)->set_group(1); },
+         "patches_info[3].group: is 1; only interchange has groups"},
         {[](auto& m) { m.mutable_patches_info(3)->mutable_contents(0)->set_standing("banned"); },
          "patches_info[3].contents[0].standing: is \"banned\"; \"pinned\", \"dropped\" or nothing"},
         {[](auto& m) { m.mutable_patches_info(3)->mutable_contents(0)->set_corners("0101"); },
@@ -112,6 +114,24 @@ TEST_F(AssetFile, what_interchange_does_not_hold_is_named) {
          "patches_info[1].contents: has 0; exactly one"},
         {made, [](auto& m) { m.set_patches("patches.png"); },
          "patches: only content_exchange has a patch map"},
+        {made, [](auto& m) { m.mutable_patches_info(2)->set_group(257); },
+         "patches_info[2].group: is 257; from 1 to 256, or 0"},
+        {made, [](auto& m) { m.mutable_patches_info(0)->set_group(1); },
+         "patches_info[0].set: is \"a\", but the patch is in group 1; leave one of them out"},
+        {made,
+         [](auto& m) {
+             m.mutable_patches_info(2)->set_group(1);
+             m.mutable_patches_info(2)->set_x(128);
+         },
+         "patches_info[2].x: is 128; from -8 to 127"},
+        {made,
+         [](auto& m) {
+             m.mutable_patches_info(2)->set_group(7);
+             m.add_patches_info()->CopyFrom(m.patches_info(2));
+             m.mutable_patches_info(3)->set_x(15);  // of a diagonal of texels: the third meets the first
+             m.mutable_patches_info(3)->set_y(-1);
+         },
+         "patches_info[3]: overlaps another patch of group 7 at texel (15, -1); take one of them out"},
         {overlapping, [](auto&) {}, "patches_info[1]: is in set b and overlaps patches_info[0] of set a"},
     };
     for (const Refusal& row : rows) {

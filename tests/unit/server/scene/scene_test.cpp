@@ -40,9 +40,37 @@ TEST_F(SceneFolders, AFolderWithASceneFileIsAScene) {
     EXPECT_EQ((*loaded)->fingerprint.size(), 16u);
 }
 
+TEST_F(SceneFolders, AFolderOfScenesIsToldFromAScene) {
+    const fs::path inside = scene("board", R"({"checker": {}})");
+    fs::create_directories(folder_.path / "empty");
+    EXPECT_EQ(
+        load_scene(folder_.path).error().detail,
+        folder_.path.string() + ": is a folder of scenes; name one of them, such as " + inside.string());
+    EXPECT_EQ(load_scene(folder_.path / "empty").error().detail,
+              (folder_.path / "empty").string() + ": holds no scene.json, so it is no scene");
+}
+
 TEST_F(SceneFolders, TheExtentIsTwentyUnlessTheSceneSaysOtherwise) {
     EXPECT_EQ((*load_scene(scene("a", R"({"constant": {"color": {"red": 9}}})")))->extent.n, 20);
     EXPECT_EQ((*load_scene(scene("b", R"({"constant": {}, "extent_log2_pages": 30})")))->extent.n, 30);
+}
+
+TEST_F(SceneFolders, AnOpeningViewHasDefaultsAndLiesInsideTheExtent) {
+    const auto view_of = [&](const std::string& view) {
+        return load_scene(scene("a", R"({"constant": {}, "extent_log2_pages": 2, "view": )" + view + "}"));
+    };
+    EXPECT_EQ((*load_scene(scene("a", R"({"constant": {}})")))->view, std::nullopt);
+    EXPECT_EQ((*view_of("{}"))->view, (OpeningView{512, 512, 1}));
+    EXPECT_EQ((*view_of(R"({"x": 0, "y": "1023", "level": -2.5})"))->view, (OpeningView{0, 1023, -2.5}));
+
+    const auto problem = [&](const std::string& view) { return view_of(view).error().detail; };
+    EXPECT_THAT(problem(R"({"x": 1024})"),
+                HasSubstr("scene.json: view.x: is 1024; texels of this scene are 0 to 1023"));
+    EXPECT_THAT(problem(R"({"y": -1})"), HasSubstr("view.y: is -1; texels of this scene are 0 to 1023"));
+    EXPECT_THAT(problem(R"({"level": 2.5})"),
+                HasSubstr("view.level: is 2.5; levels of this scene are -6 to 2"));
+    EXPECT_THAT(problem(R"({"level": "NaN"})"), HasSubstr("view.level: is nan"));
+    EXPECT_THAT(problem(R"({"zoom": 2})"), HasSubstr("zoom"));
 }
 
 TEST_F(SceneFolders, TheFingerprintCoversSceneFileAndAssetsAndNothingElse) {

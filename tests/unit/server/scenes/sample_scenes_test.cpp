@@ -89,6 +89,22 @@ std::string outcome(const fs::path& photo, const fs::path& scenes, bool force = 
 
 void write_text(const fs::path& file, const std::string& text) { std::ofstream{file} << text; }
 
+TEST(PhotoScene, IsCalledWhatItsPhotographIs) {
+    const tests::TemporaryFolder temporary;
+    const fs::path scenes = temporary.path / "scenes";
+    const std::pair<const char*, const char*> called[] = {{"Mein Föto (1).png", "Mein Föto (1)"},
+                                                          {"\xff\xfe.png", "photo"},  // bytes, and no text
+                                                          {"two\nlines.png", "two-lines"}};
+    for (const auto& [file, title] : called) {
+        const fs::path photo = temporary.path / file;
+        write_photo(photo, 1);
+        const std::string id = scene_id_of(photo);
+        EXPECT_EQ(outcome(photo, scenes, true), id + " written");
+        EXPECT_EQ(load_scene(scenes / id).value()->title, title);
+        fs::remove_all(scenes / id);
+    }
+}
+
 TEST(PhotoScene, EveryPictureOfANameHasItsOwnScene) {
     const tests::TemporaryFolder temporary;
     const fs::path photo = temporary.path / "wall.png", scenes = temporary.path / "scenes";

@@ -33,6 +33,17 @@ TEST(TypedQuadtree, FourLeavesAloneAreThoseOfTheirRectangle) {
             }
 }
 
+TEST(TypedQuadtree, OneLeafIsTheSameInEveryQuadrantWhetherNearTheOriginOrBeyondTheRoots) {
+    const TypedQuadtree tree{11, 128};
+    const std::int64_t far = std::int64_t{1} << TypedQuadtree::root_height;
+    for (const std::int64_t x : {-far - 5, -far, std::int64_t{-70000}, std::int64_t{-2}, std::int64_t{-1},
+                                 std::int64_t{0}, std::int64_t{1}, std::int64_t{1234567}, far - 1, far})
+        for (const std::int64_t y :
+             {-far - 1, std::int64_t{-4}, std::int64_t{-1}, std::int64_t{0}, std::int64_t{99}, far + 7})
+            ASSERT_EQ(tree.square_at(x, y, 0, 0).at[0][0], tree.types_of(0, x, y, 1, 1).at(x, y))
+                << x << ", " << y;
+}
+
 TEST(TypedQuadtree, AParentDecidesItsChildren) {
     const TypedQuadtree tree{7, 1024};
     for (const int height : {1, 4, 30}) {

@@ -251,12 +251,12 @@ TEST_F(MadeMap, WhatASceneCannotHoldIsListedAndWrittenBesideIt) {
     std::ifstream in{at("scene") / "import.txt"};
     const std::string report{std::istreambuf_iterator<char>{in}, {}};
     EXPECT_EQ(report, scene->report());
-    EXPECT_THAT(report,
-                AllOf(HasSubstr("(parallax)"), HasSubstr("blended as \"multiply\""),
-                      HasSubstr("moved by parts of a texel"), HasSubstr("is hidden in the editor"),
-                      HasSubstr("image layer \"sky\""), HasSubstr("\"things\": 2 sprites at free places"),
-                      HasSubstr("\"things\": 1 shapes, points or texts"),
-                      HasSubstr("1 tiles have collision shapes")));
+    EXPECT_THAT(
+        report,
+        AllOf(HasSubstr("(parallax)"), HasSubstr("blended as \"multiply\""),
+              HasSubstr("moved by parts of a texel"), HasSubstr("is hidden in the editor"),
+              HasSubstr("image layer \"sky\""), HasSubstr("\"things\": 2 sprites at free places"),
+              HasSubstr("\"things\": one shape, point or text"), HasSubstr("1 tiles have collision shapes")));
 }
 
 TEST_F(MadeMap, MoreDifferentCellsThanAnImageHoldsAreRefusedBeforeTheyArePainted) {

@@ -28,6 +28,26 @@ TEST(Json, AWrongTypeIsAnErrorThatNamesTheField) {
     EXPECT_THAT(read.error().detail, HasSubstr("extent_log2_pages"));
 }
 
+TEST(Json, SaysWhatIsWrongInWordsAndWhichFieldWasMeant) {
+    const auto told = [](const char* text) {
+        proto::Scene scene;
+        const auto read = read_json(text, "scene.json", scene);
+        EXPECT_FALSE(read.has_value()) << text;
+        return read ? std::string{} : read.error().detail;
+    };
+    EXPECT_EQ(told(R"({"content_exchang": {}})"),
+              "scene.json: content_exchang: there is no such field; did you mean content_exchange?");
+    EXPECT_EQ(told(R"({"content_exchange": {"asst": "x"}})"),
+              "scene.json: content_exchange.asst: there is no such field; did you mean asset?");
+    EXPECT_EQ(told(R"({"content_exchange": {"seed": -1}})"),
+              "scene.json: content_exchange.seed: -1 is not a whole number, 0 or more");
+    EXPECT_EQ(told(R"({"title": 1})"), "scene.json: title: 1 is not a text in quotes");
+    EXPECT_EQ(told(R"({"title": ["a"]})"), "scene.json: title: is one value, and not a list");
+    EXPECT_THAT(told(R"({"checker": {"zebra": 3}})"),
+                HasSubstr("checker.zebra: there is no such field; there are "));
+    EXPECT_THAT(told(R"({"title": )"), HasSubstr("scene.json: "));
+}
+
 TEST(Json, WhatIsWrittenIsReadBack) {
     proto::Scene scene, again;
     scene.set_title("Größe \"8\"");

@@ -205,9 +205,93 @@ TEST_F(HandAtWork, UndoIsTheServersInverseAndIsSeenAtOnce) {
     EXPECT_EQ(sent.back().changes(0).move_sprite().x(), static_cast<double>(far) + 100);
     ASSERT_EQ(hand.held().size(), 1u);
     EXPECT_EQ(hand.held()[0].middle.x, far + 100);
-    EXPECT_FALSE(hand.go(HandEdits::Way::undoing));
+    EXPECT_TRUE(hand.go(HandEdits::Way::undoing)) << "waits for the one under way";
+    EXPECT_EQ(sent.size(), 2u);
     answer(4);
+    look(100);
+    EXPECT_EQ(sent.size(), 2u) << "there is no more to undo";
+    EXPECT_FALSE(hand.go(HandEdits::Way::undoing));
     EXPECT_EQ(hand.book().find(1)->x, (far + 100) * sprite_units);
+}
+
+/// An inverse that puts a sprite back to where it was.
+proto::Edit back_to(std::uint64_t id, double x) {
+    proto::Edit inverse;
+    inverse.add_changes()->mutable_move_sprite()->set_id(id);
+    inverse.mutable_changes(0)->mutable_move_sprite()->set_x(static_cast<double>(far) + x);
+    return inverse;
+}
+
+TEST_F(HandAtWork, WhatIsUndoneWhileAnEditIsUnderWayIsThatEditAndNotTheOneBefore) {
+    drag(texel(201, 51), texel(211, 51));
+    answer(3, back_to(2, 200));
+    drag(texel(101, 51), texel(111, 51));
+    EXPECT_TRUE(hand.go(HandEdits::Way::undoing)) << "no answer has come: the connection may be lost";
+    look(100);
+    EXPECT_EQ(sent.size(), 2u);
+    answer(4, back_to(1, 100));
+    look(200);
+    ASSERT_EQ(sent.size(), 3u);
+    EXPECT_EQ(sent[2].changes(0).move_sprite().id(), 1u);
+
+    answer(5, back_to(1, 110));
+    drag(texel(101, 51), texel(121, 51));
+    EXPECT_TRUE(hand.go(HandEdits::Way::undoing));
+    refuse();
+    look(300);
+    EXPECT_EQ(sent.size(), 4u) << "what was not made is not undone, nor what was before it";
+}
+
+TEST_F(HandAtWork, WhatLiesOverADraggedSpriteIsDrawnOverIt) {
+    const auto place = [&](std::uint64_t id, double x, std::int32_t order) {
+        proto::Change change;
+        proto::SpritePlacement& sprite = *change.mutable_place_sprite();
+        sprite.set_id(id);
+        sprite.set_x(static_cast<double>(far) + x);
+        sprite.set_y(static_cast<double>(far) + 50);
+        sprite.set_order(order);
+        sprite.set_pattern(static_cast<std::uint32_t>(id) % 4);
+        hand.book().take({change}, 10 + id, {});
+    };
+    place(5, 140, -1);  // below
+    place(6, 145, 1);   // above
+    place(7, 155, 2);   // above that one alone
+    place(3, 175, 3);   // above, but elsewhere
+    hand.press(texel(101, 51), false);
+    hand.drag(texel(135, 51), true, false);
+    const std::vector<HeldSprite> held = hand.held();
+    ASSERT_EQ(held.size(), 3u);
+    EXPECT_EQ(held[0].middle.x, far + 134);
+    EXPECT_NE(held[0].hold, 0u);
+    EXPECT_EQ(held[1].middle.x, far + 145);
+    EXPECT_EQ(held[2].middle.x, far + 155);
+    EXPECT_EQ(held[2].hold, 0u) << "the pages show it, too";
+    hand.cancel();
+    EXPECT_TRUE(hand.held().empty());
+}
+
+TEST_F(HandAtWork, ABrushKnowsTheBorderOfItsMap) {
+    proto::EditableGrid grid;
+    grid.set_x(100);
+    grid.set_y(-50);
+    grid.set_width(4);
+    grid.set_height(2);
+    grid.set_entry_texels(16);
+    EXPECT_EQ(MapBrush(grid, edits).border(), (TexelBox{100, -50, 164, -18}));
+    const auto paints = [&](std::int64_t x, std::int64_t y) {
+        MapBrush brush{grid, edits};
+        brush.radius_texels = 1;
+        return !brush.entries_at({x * sprite_units, y * sprite_units}).empty();
+    };
+    EXPECT_TRUE(paints(101, -49));
+    EXPECT_FALSE(paints(98, -49));
+    grid.set_corners(true);
+    EXPECT_EQ(MapBrush(grid, edits).border(), (TexelBox{92, -58, 156, -26}));
+    EXPECT_TRUE(paints(93, -57));
+    EXPECT_FALSE(paints(158, -40));
+    grid.set_repeats(true);
+    EXPECT_FALSE(MapBrush(grid, edits).border());
+    EXPECT_TRUE(paints(-1000, 5000));
 }
 
 TEST_F(HandAtWork, ASpriteThatIsTakenUpAgainBeforeItsPagesCameIsDrawnOnce) {

@@ -111,6 +111,21 @@ TEST_F(Session, AFaultIsCountedWhenAPageBecomesNeededNotWhileItIsMissing) {
     EXPECT_GT(metrics.line().page_faults(), 0u);
 }
 
+TEST_F(Session, TheLastLineIsReadUntilTheNextOneEnds) {
+    for (int i = 0; i < 5; ++i) frame();
+    EXPECT_EQ(metrics.last_line().frames_of_line(), 5u) << "until then what there is";
+    const double before = metrics.line().mip_deficit();
+    metrics.next_line();
+    EXPECT_EQ(metrics.line().frames_of_line(), 0u);
+    EXPECT_EQ(metrics.last_line().frames_of_line(), 5u);
+    EXPECT_EQ(metrics.last_line().mip_deficit(), before);
+    frame();
+    EXPECT_EQ(metrics.last_line().mip_deficit(), before) << "a line of few frames says little";
+    EXPECT_EQ(metrics.last_line().frames(), 6u) << "what is no mean is of now";
+    metrics.next_line();
+    EXPECT_EQ(metrics.last_line().frames_of_line(), 1u);
+}
+
 TEST_F(Session, PagesThatNoFrameShowedAreFetchedInVain) {
     frames_until_sharp();
     for (int i = 0; i < 60; ++i) frame();

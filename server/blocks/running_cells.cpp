@@ -1,0 +1,140 @@
+#include "server/blocks/running_cells.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace tessera {
+
+namespace {
+
+/// Of how many values it is worth to know what they show.
+constexpr std::size_t most_values = 1024;
+
+}  // namespace
+
+class RunningCells::Cells final : public StandingCells {
+  public:
+    /// `values`: entries are compared, and not what cells show.
+    Cells(const RunningCells& of, bool values, bool only_patterns, const Ask& ask)
+        : of_{of}, values_{values}, only_patterns_{only_patterns}, ask_{ask} {}
+
+    void ask(std::span<const CellAt> cells, std::span<Look> looks,
+             std::span<Validity> frames) const override {
+        ask_(cells, looks, frames);
+    }
+    Still still_at(Step step, const Look& look) const override {
+        if (of_.animation_ == nullptr || values_) return still_ever(look);
+        const AnimationOp::Followed followed = of_.animation_->followed_at(step);
+        return still(followed.first, followed.last, followed.holds, look);
+    }
+    Still still_ever(const Look& look) const override {
+        return still(0, of_.animation_ == nullptr ? 0 : of_.animation_->settings().size() - 1, {}, look);
+    }
+    std::int64_t comes_again() const noexcept override { return values_ ? 0 : of_.comes_again_; }
+    bool same(const Look& a, const Look& b) const noexcept override {
+        return only_patterns_ ? a.pattern == b.pattern : shows_same(a, b);
+    }
+
+  private:
+    Still still(std::size_t first, std::size_t last, const Validity& holds, const Look& look) const {
+        const auto kinds = of_.find(first, last, values_);
+        Still still{{}, StillRuns::other, holds};
+        if (!kinds || !kinds->runs) return still;
+        const auto found = std::find_if(kinds->looks.begin(), kinds->looks.end(),
+                                        [&](const Look& kind) { return same(kind, look); });
+        if (found == kinds->looks.end()) return still;
+        still.runs = kinds->runs;
+        still.kind = static_cast<StillRuns::Kind>(found - kinds->looks.begin());
+        return still;
+    }
+
+    const RunningCells& of_;
+    bool values_, only_patterns_;
+    const Ask& ask_;
+};
+
+RunningCells::RunningCells(const Scroll& scroll, const std::optional<VaryingMap>& varying,
+                           const AnimationOp* animation, LooksOf looks_of, bool only_map)
+    : scroll_{scroll}, animation_{animation}, looks_of_{std::move(looks_of)} {
+    if (!varying || possible_values(*varying->map).size() > most_values) return;
+    map_ = std::make_shared<const StoredMap>(*varying->map);  // Shares its entries
+    drawn_ = varying->sampling != VaryingMap::Sampling::nearest || varying->corners;
+    if (only_map && map_->edge == StoredMap::Edge::wrap)
+        comes_again_ = std::int64_t{map_->width} << map_->cells_log2;
+}
+
+std::shared_ptr<const RunningCells::Kinds> RunningCells::find(std::size_t first, std::size_t last,
+                                                              bool values) const {
+    if (!map_ || (drawn_ && !values)) return nullptr;
+    const std::lock_guard lock{mutex_};
+    const auto found = std::find_if(known_.begin(), known_.end(), [&](const Known& known) {
+        return values ? known.values : !known.values && known.first == first && known.last == last;
+    });
+    if (found != known_.end()) {
+        known_.splice(known_.begin(), known_, found);
+    } else {
+        Known known{first, last, values, {}, {}};
+        known.kinds = make(known);
+        known_.push_front(std::move(known));
+        if (known_.size() > most_known) known_.pop_back();
+    }
+    return known_.front().kinds;
+}
+
+/// What is told apart in entries; runs are looked for among those that are known.
+std::shared_ptr<const RunningCells::Kinds> RunningCells::make(Known& known) const {
+    Kinds kinds;
+    for (const std::int32_t value : possible_values(*map_)) {
+        const std::vector<Look> shown =
+            known.values ? std::vector<Look>{{.pattern = value}} : looks_of_(value, known.first, known.last);
+        known.kind_of_value.push_back(StillRuns::other);
+        const auto same = [&](const Look& look) { return shows_same(look, shown.front()); };
+        if (shown.empty() || !std::all_of(shown.begin(), shown.end(), same)) continue;
+        // Of values each has its own
+        const auto is =
+            known.values ? kinds.looks.end() : std::find_if(kinds.looks.begin(), kinds.looks.end(), same);
+        known.kind_of_value.back() = static_cast<StillRuns::Kind>(is - kinds.looks.begin());
+        if (is == kinds.looks.end()) kinds.looks.push_back(shown.front());
+    }
+    if (kinds.looks.empty()) return std::make_shared<const Kinds>();
+    const auto alike = std::find_if(known_.begin(), known_.end(), [&](const Known& other) {
+        return other.kind_of_value == known.kind_of_value;
+    });
+    kinds.runs = alike != known_.end() ? alike->kinds->runs
+                                       : std::make_shared<const StillRuns>(map_, known.kind_of_value);
+    return std::make_shared<const Kinds>(std::move(kinds));
+}
+
+Validity RunningCells::through_shifts(const CellBlock& block, const SeenCells& seen, const Validity& frames,
+                                      const Ask& ask) const {
+    return scroll_interval(scroll_, block, seen, frames, Cells{*this, false, seen.only_patterns(), ask});
+}
+
+Validity RunningCells::through_map(const CellBlock& block) const {
+    const Scroll::Place place = scroll_.at(block.step);
+    const auto kinds = find(0, 0, true);
+    if (!kinds) return place.validity;
+    // What is dithered looks at the entries beside
+    const std::int64_t margin = std::int64_t{1} << map_->cells_log2;
+    CellBlock wide = block;
+    wide.x -= margin, wide.y -= margin;
+    wide.width += static_cast<std::int32_t>(2 * margin), wide.height += static_cast<std::int32_t>(2 * margin);
+    const std::int64_t left = wide.x + place.shift;
+    const StillRuns::Kind kind = kinds->runs->kind_at(left, wide.y);
+    for (std::int64_t y = wide.y; y < wide.y + wide.height; ++y)
+        if (kinds->runs->right(left, y, kind, wide.width) != left + wide.width) return place.validity;
+    SeenCells seen{scroll_.cells};
+    const std::int32_t value = kinds->looks[static_cast<std::size_t>(kind)].pattern;
+    seen.see(wide.x, wide.y, std::span{&value, 1});
+    // Of every entry it is known what it is, and that it stays so
+    return scroll_interval(scroll_, wide, seen, {}, Cells{*this, true, true, {}});
+}
+
+std::size_t RunningCells::memory_bytes() const noexcept {
+    if (!map_) return 0;
+    // A bit an entry: of two messages and both, and of values
+    const auto entries = static_cast<std::size_t>(map_->width) * static_cast<std::size_t>(map_->height);
+    return entries / 2 + static_cast<std::size_t>(map_->height) * 256;
+}
+
+}  // namespace tessera

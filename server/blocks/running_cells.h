@@ -1,0 +1,64 @@
+#pragma once
+
+#include <functional>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "server/blocks/animation_op.h"
+#include "server/blocks/scroll_interval.h"
+
+namespace tessera {
+
+/// The cells of a texture that scrolls: how long places of them show the same. What is known of its map is
+/// worked out when it is first asked for.
+class RunningCells {
+  public:
+    /// All that cells in entries of a value may show under some settings of their animation, from the first
+    /// to the last; none where that is not known.
+    using LooksOf = std::function<std::vector<Look>(std::int32_t value, std::size_t first, std::size_t last)>;
+    /// `varying`: the program's, if steps and entries and draws are all that decides. `animation`: the only
+    /// one there is, if any; lives longer. `only_map`: entries alone decide.
+    RunningCells(const Scroll& scroll, const std::optional<VaryingMap>& varying, const AnimationOp* animation,
+                 LooksOf looks_of, bool only_map);
+
+    /// Asks cells as StandingCells::ask().
+    using Ask =
+        std::function<void(std::span<const CellAt> cells, std::span<Look> looks, std::span<Validity> frames)>;
+    /// As CellProgram's.
+    Validity through_shifts(const CellBlock& block, const SeenCells& seen, const Validity& frames,
+                            const Ask& ask) const;
+    Validity through_map(const CellBlock& block) const;
+
+    std::size_t memory_bytes() const noexcept;  ///< At most.
+
+  private:
+    class Cells;
+    /// Entries of one kind, as cells are compared.
+    struct Kinds {
+        std::shared_ptr<const StillRuns> runs;
+        std::vector<Look> looks;  ///< By kind.
+    };
+    /// Under some settings; or of values, as they are. Most tell the same kinds apart, and share their runs.
+    struct Known {
+        std::size_t first = 0, last = 0;
+        bool values = false;
+        std::vector<StillRuns::Kind> kind_of_value;
+        std::shared_ptr<const Kinds> kinds;
+    };
+    static constexpr std::size_t most_known = 16;
+    std::shared_ptr<const Kinds> find(std::size_t first, std::size_t last, bool values) const;
+    std::shared_ptr<const Kinds> make(Known& known) const;
+
+    Scroll scroll_;
+    std::shared_ptr<const StoredMap> map_;  ///< Null where there is none, or it is of too many values.
+    bool drawn_ = false;                    ///< Cells draw among entries.
+    std::int64_t comes_again_ = 0;          ///< As StandingCells'.
+    const AnimationOp* animation_;
+    LooksOf looks_of_;
+    mutable std::mutex mutex_;
+    mutable std::list<Known> known_;  ///< Last used first.
+};
+
+}  // namespace tessera

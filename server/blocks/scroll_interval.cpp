@@ -1,0 +1,377 @@
+#include "server/blocks/scroll_interval.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstdlib>
+#include <numeric>
+#include <vector>
+
+namespace tessera {
+
+namespace {
+
+/// Of the shifts that are looked at, at most: see scroll_interval().
+std::int64_t most_shifts(const CellBlock& block) noexcept {
+    const auto height_log2 = static_cast<int>(std::bit_width(static_cast<std::uint32_t>(block.height - 1)));
+    return std::int64_t{1} << std::clamp(20 - height_log2, 8, 16);
+}
+/// Where nothing is known of runs.
+std::int64_t fewer_shifts(const CellBlock& block) noexcept {
+    return std::max<std::int64_t>(most_shifts(block) / 16, 64);
+}
+/// Where places show this and that.
+constexpr std::int64_t few_shifts = 16;
+
+/// Which shifts are looked at, and what changes first: on from a shift, to later steps or to earlier ones.
+/// Shifts are counted from there: number k lies k shifts on.
+class Way {
+  public:
+    Way(const Scroll& scroll, std::int64_t from, bool later, std::int64_t most) noexcept
+        : scroll_{scroll}, from_{from}, later_{later} {
+        // Ends lie half a span beside the multiples, so that step 0, where scenes begin, is no end
+        const auto floor = [&](std::int64_t number) {
+            const std::int64_t in = number % most;
+            return number - (in < 0 ? in + most : in);
+        };
+        const std::int64_t first = floor(from + most / 2) - most / 2;
+        last_ = later ? first + most - 1 - from : from - first;
+        end_ = later ? begin(last_ + 1) : begin(last_);
+    }
+
+    /// Of cells that come again after `shifts`: what does not change until then never does.
+    static Way around(const Scroll& scroll, std::int64_t from, bool later, std::int64_t shifts) noexcept {
+        Way way{scroll, from, later, 1};
+        way.last_ = shifts;
+        way.end_ = later ? never : always;
+        return way;
+    }
+
+    std::int64_t last() const noexcept { return last_; }  ///< Shift that is looked at.
+    /// Whether a multiple of `most`, a power of two, lies between shifts k − 1 and k: as those that end_ lies
+    /// at.
+    bool is_cut(std::int64_t k, std::int64_t most) const noexcept {
+        const std::int64_t number = from_ + on(k) + (later_ ? 0 : 1);
+        return ((number + most / 2) & (most - 1)) == 0;
+    }
+    /// The first step of the later one of shifts k − 1 and k, on either way.
+    Step between(std::int64_t k) const noexcept { return later_ ? enter(k) : leave(k - 1); }
+    std::int64_t shifted(std::int64_t k) const noexcept { return scroll_.shifted(from_ + on(k)); }
+    /// The step that is met first on the way through shift k, and the one that is met last.
+    Step enter(std::int64_t k) const noexcept { return later_ ? begin(k) : begin(k - 1) - 1; }
+    Step leave(std::int64_t k) const noexcept { return later_ ? begin(k + 1) - 1 : begin(k); }
+
+    /// What is stated: until when, or from when on, nothing changes.
+    Step end() const noexcept { return end_; }
+    /// At the way into `step` something else is shown than before.
+    void change_into(Step step) noexcept {
+        end_ = later_ ? std::min(end_, step) : std::max(end_, add_steps(step, 1));
+    }
+    bool ended_before(Step step) const noexcept { return later_ ? end_ <= step : end_ > step; }
+    /// The first step on the way that a frame, shown in `frames`, is not shown in any more.
+    Step after(const Validity& frames) const noexcept {
+        return later_ ? frames.until : add_steps(frames.from, -1);
+    }
+    bool is_beyond(Step step, std::int64_t k) const noexcept {
+        return later_ ? step == never || step > leave(k) : step == always || step < leave(k);
+    }
+    /// From `step` on, through shift k.
+    Validity within(Step step, std::int64_t k) const noexcept {
+        return later_ ? Validity{step, add_steps(leave(k), 1)} : Validity{leave(k), add_steps(step, 1)};
+    }
+    /// Whether the way into `step` is one from shift to shift.
+    bool is_shift(Step step) const noexcept {
+        return (later_ ? step : add_steps(step, 1)) % static_cast<std::int64_t>(scroll_.steps) == 0;
+    }
+    /// The shift that a step on the way lies in.
+    std::int64_t shift_of(Step step) const noexcept { return on(scroll_.shift_at(step) - from_); }
+    /// How far cells run to the left from shift to shift, on this way.
+    std::int64_t cells() const noexcept { return on(std::int64_t{scroll_.cells}); }
+
+  private:
+    std::int64_t on(std::int64_t k) const noexcept { return later_ ? k : -k; }
+    Step begin(std::int64_t k) const noexcept { return scroll_.begin_of(from_ + on(k)); }
+
+    const Scroll& scroll_;
+    std::int64_t from_;
+    bool later_;
+    std::int64_t last_ = 0;
+    Step end_ = 0;
+};
+
+/// Places that all show one look: what comes in is looked at, and how long it stays that look.
+class AlikeSearch {
+  public:
+    AlikeSearch(const CellBlock& block, const Look& look, const StandingCells& cells, Way& way)
+        : block_{block},
+          look_{look},
+          cells_{cells},
+          way_{way},
+          by_{std::abs(way.cells())},
+          fewer_{fewer_shifts(block)} {}
+
+    void run() {
+        // Where cells come round to the first ones again, others stand beside each other: as far as that at a
+        // time
+        for (std::int64_t from = 0; from <= way_.last() && !way_.ended_before(way_.enter(from));) {
+            const std::int64_t shifted = way_.shifted(from);
+            const auto room =
+                way_.cells() > 0 ? static_cast<std::int64_t>(Scroll::again) - 1 - shifted : shifted;
+            base_ = from;
+            left_ = block_.x + shifted;
+            last_ = std::min(way_.last(), from + room / by_);
+            if (from > 0 && way_.is_cut(from, fewer_) &&
+                cells_.still_at(way_.between(from), look_).kind == StillRuns::other)
+                return way_.change_into(way_.enter(from));
+            stand_still_from(from);
+            search_from(std::max<std::int64_t>(from, 1));
+            from = last_ + 1;
+        }
+    }
+
+  private:
+    /// Which cells are known to stand still in shift `from`, and up to which one after it.
+    void stand_still_from(std::int64_t from) {
+        still_ = cells_.still_at(way_.enter(from), look_);
+        if (still_.kind == StillRuns::other)
+            for (std::int64_t k = from + 1; k <= last_; ++k)
+                if (way_.is_cut(k, fewer_)) last_ = k - 1;
+        const Step end = way_.after(still_.holds);
+        if (way_.is_beyond(end, last_)) return;
+        const std::int64_t last = way_.shift_of(end) - 1;
+        // In a shift in which that changes, all are asked
+        if (last < from) still_ = {};
+        last_ = std::max(from, last);
+    }
+
+    /// Cells are counted from the one that leaves first, at shift base_: cell number n is there at shift k if
+    /// 0 ≤ n − (k − base_)·by_ < width.
+    std::int64_t x_of(std::int64_t number) const noexcept {
+        return way_.cells() > 0 ? left_ + number : left_ + block_.width - 1 - number;
+    }
+
+    void search_from(std::int64_t first) {
+        first_ = first;
+        const std::int64_t begin = (first - base_) * by_;
+        rows_.assign(static_cast<std::size_t>(block_.height), {begin, false});
+        // Nearly always something changes soon
+        std::int64_t some = 1;
+        for (std::int64_t k = first; k <= last_; some *= 2) {
+            const std::int64_t to = std::min(last_, k + some - 1);
+            found_ = 0;
+            find((to - base_) * by_ + block_.width);
+            ask();
+            if (way_.ended_before(way_.leave(to))) return;
+            k = to + 1;
+            if (found_ >= enough_found) some = std::max<std::int64_t>(some / 2, 1);
+        }
+    }
+
+    /// How far a row was looked through: up to its cell number `next`.
+    struct RowPlace {
+        std::int64_t next = 0;
+        bool found = false;  ///< That one may show something else.
+    };
+    /// On to the next that may.
+    void look_on(RowPlace& place, std::int64_t y, std::int64_t end) const {
+        place.found = true;
+        if (still_.kind == StillRuns::other) return;
+        // A few words of bits: further than is asked for now, so that they need not be read again
+        constexpr std::int64_t cells_at_least = 1024;
+        const std::int64_t most = std::max(end - place.next, cells_at_least), x = x_of(place.next);
+        const std::int64_t still = std::abs((way_.cells() > 0 ? still_.runs->right(x, y, still_.kind, most)
+                                                              : still_.runs->left(x, y, still_.kind, most)) -
+                                            x);
+        place.next += still;
+        place.found = still < most;
+    }
+
+    /// Asks for cells before number `end` that may show something else.
+    void find(std::int64_t end) {
+        for (std::size_t row = 0; row < rows_.size(); ++row) {
+            RowPlace& place = rows_[row];
+            const std::int64_t y = block_.y + static_cast<std::int64_t>(row);
+            while (place.next < end) {
+                if (!place.found) {
+                    look_on(place, y, end);
+                    continue;
+                }
+                const std::int64_t number = place.next;
+                const std::int64_t comes = std::max(first_, base_ + (number - block_.width + by_) / by_);
+                const std::int64_t goes = std::min(last_, base_ + number / by_);
+                const Step step = way_.enter(comes);
+                if (comes <= goes && way_.ended_before(step)) break;  // So do those after it
+                ++place.next;
+                place.found = false;
+                if (comes > goes) {
+                    // Between where two shifts put the block
+                    place.next += by_ - number % by_ - 1;
+                    continue;
+                }
+                const std::int64_t x = x_of(number);
+                if (still_.kind != StillRuns::other && still_.runs->kind_at(x, y) != StillRuns::other) {
+                    way_.change_into(step);
+                    break;
+                }
+                ++found_;
+                asked_.push_back({x, y, step, way_.within(step, goes)});
+                goes_.push_back(goes);
+                if (asked_.size() == most_asked) ask();
+            }
+        }
+    }
+
+    void ask() {
+        while (!asked_.empty()) {
+            looks_.resize(asked_.size());
+            frames_.resize(asked_.size());
+            cells_.ask(asked_, looks_, frames_);
+            std::size_t again = 0;
+            for (std::size_t i = 0; i < asked_.size(); ++i) {
+                if (!cells_.same(looks_[i], look_)) {
+                    way_.change_into(asked_[i].step);
+                    continue;
+                }
+                const Step next = way_.after(frames_[i]);
+                if (way_.is_beyond(next, goes_[i]) || way_.ended_before(next)) continue;
+                if (!way_.is_shift(next)) {
+                    way_.change_into(next);
+                    continue;
+                }
+                // Another frame, but where cells are compared by what they show
+                asked_[again] = {asked_[i].x, asked_[i].y, next, asked_[i].within};
+                goes_[again++] = goes_[i];
+            }
+            asked_.resize(again);
+            goes_.resize(again);
+        }
+    }
+
+    static constexpr std::size_t most_asked = 32;  ///< At once: what is found spares asking others.
+    static constexpr int enough_found = 12;        ///< Among some shifts, that more of them are too many.
+
+    const CellBlock& block_;
+    const Look& look_;
+    const StandingCells& cells_;
+    Way& way_;
+    StandingCells::Still still_;
+    std::int64_t by_, fewer_;
+    std::int64_t base_ = 0, left_ = 0, first_ = 1, last_ = 0;
+    std::vector<RowPlace> rows_;
+    int found_ = 0;
+    std::vector<CellAt> asked_;
+    std::vector<std::int64_t> goes_;  ///< The last shift at which each is there.
+    std::vector<Look> looks_;
+    std::vector<Validity> frames_;
+};
+
+/// Places that show this and that: nearly always a shift changes some of them, and one is enough to see it.
+class MixedSearch {
+  public:
+    MixedSearch(const CellBlock& block, const SeenCells& seen, const Validity& frames,
+                const StandingCells& cells, Way& way)
+        : block_{block}, seen_{seen}, frames_{frames}, cells_{cells}, way_{way} {}
+
+    void run() {
+        if (told_by_seen()) return way_.change_into(way_.enter(1));
+        for (std::int64_t k = 1; k <= way_.last(); ++k) {
+            if (differs(k)) way_.change_into(way_.enter(k));
+            if (way_.ended_before(way_.leave(k))) return;
+        }
+    }
+
+  private:
+    /// The row that was kept shows something else a shift further, where its cells keep their frames until
+    /// then.
+    bool told_by_seen() const {
+        if (!seen_.differs_shifted()) return false;
+        if (way_.after(frames_) != way_.enter(1)) return true;
+        const SeenCells::Odd& odd = way_.cells() > 0 ? seen_.first() : seen_.second();
+        return changes(odd.x, odd.y, odd.look, 1);
+    }
+    bool changes(std::int64_t x, std::int64_t y, const Look& look, std::int64_t k) const {
+        const Step step = way_.enter(k);
+        const CellAt cell{x + way_.shifted(k), y, step, {step, add_steps(step, 1)}};
+        Look other;
+        Validity frames;
+        cells_.ask({&cell, 1}, {&other, 1}, {&frames, 1});
+        return !cells_.same(look, other);
+    }
+
+    /// Whether shift k shows something else than shift 0; if not, what changes in it is told to the way.
+    bool differs(std::int64_t k) {
+        const auto width = static_cast<std::size_t>(block_.width);
+        std::vector<CellAt> cells(2 * width);
+        std::vector<Look> looks(2 * width);
+        std::vector<Validity> frames(2 * width);
+        const std::int64_t here = way_.shifted(0), there = way_.shifted(k);
+        // The row that was told apart first
+        for (std::int64_t row = 0; row < block_.height; ++row) {
+            const std::int64_t odd = seen_.first().y - block_.y;
+            const std::int64_t y = block_.y + (odd + row) % block_.height;
+            for (std::size_t i = 0; i < width; ++i) {
+                const std::int64_t x = block_.x + static_cast<std::int64_t>(i);
+                cells[i] = {x + here, y, block_.step, {block_.step, add_steps(block_.step, 1)}};
+                cells[width + i] = {x + there, y, way_.enter(k), way_.within(way_.enter(k), k)};
+            }
+            cells_.ask(cells, looks, frames);
+            for (std::size_t i = 0; i < width; ++i) {
+                if (!cells_.same(looks[i], looks[width + i])) return true;
+                const Step next = way_.after(frames[width + i]);
+                if (!way_.is_beyond(next, k)) way_.change_into(next);
+            }
+        }
+        return false;
+    }
+
+    const CellBlock& block_;
+    const SeenCells& seen_;
+    const Validity& frames_;
+    const StandingCells& cells_;
+    Way& way_;
+};
+
+/// Whether nothing else ever comes into the block's rows.
+bool is_for_ever(const CellBlock& block, const Look& look, const StandingCells& cells) {
+    const StandingCells::Still still = cells.still_ever(look);
+    if (still.kind == StillRuns::other) return false;
+    for (std::int64_t y = block.y; y < block.y + block.height; ++y)
+        if (!still.runs->all_along(y, still.kind)) return false;
+    return true;
+}
+
+/// After how many shifts cells come again; 0 if nobody knows, or where they come round to the first ones at
+/// another.
+std::int64_t shifts_again(const Scroll& scroll, const StandingCells& cells) noexcept {
+    const std::int64_t again = cells.comes_again();
+    constexpr std::int64_t most = 4096;
+    if (again == 0 || Scroll::again % static_cast<std::uint64_t>(again) != 0) return 0;
+    const std::int64_t shifts = again / std::gcd(again, std::int64_t{scroll.cells});
+    return shifts <= most ? shifts : 0;
+}
+
+}  // namespace
+
+Validity scroll_interval(const Scroll& scroll, const CellBlock& block, const SeenCells& seen,
+                         const Validity& frames, const StandingCells& cells) {
+    Validity validity = frames;
+    validity.meet(scroll.at(block.step).validity);
+    if (seen.empty()) return validity;
+    if (seen.alike() && is_for_ever(block, seen.look(), cells)) return {};
+    const std::int64_t shift = scroll.shift_at(block.step);
+    const std::int64_t round = seen.alike() ? 0 : shifts_again(scroll, cells);
+    const auto reach = [&](bool later) {
+        const std::int64_t most = seen.alike() ? most_shifts(block) : few_shifts;
+        Way way = round > 0 ? Way::around(scroll, shift, later, round) : Way{scroll, shift, later, most};
+        if (seen.alike())
+            AlikeSearch{block, seen.look(), cells, way}.run();
+        else
+            MixedSearch{block, seen, frames, cells, way}.run();
+        return way.end();
+    };
+    const Validity in_shift = scroll.at(block.step).validity;
+    if (validity.until == in_shift.until && validity.until != never) validity.until = reach(true);
+    if (validity.from == in_shift.from && validity.from != always) validity.from = reach(false);
+    return validity;
+}
+
+}  // namespace tessera
