@@ -37,9 +37,9 @@ unsigned status_of(ErrorCode code) {
     return 500;
 }
 
-std::string decimal(double value) {
+std::string decimal(double value, int digits = 6) {
     char text[32];
-    return {text, static_cast<std::size_t>(std::snprintf(text, sizeof text, "%.6g", value))};
+    return {text, static_cast<std::size_t>(std::snprintf(text, sizeof text, "%.*g", digits, value))};
 }
 
 /// Raw pages alone are negotiated; the others are the same for everybody.
@@ -103,7 +103,8 @@ std::string page_prelude(const EncodedPage& page) {
     text += negotiation_fields(page.options);
     field("Tessera-Method", page.evaluation.method);
     field("Tessera-Bound", decimal(page.evaluation.bound_codes));
-    field("Tessera-Confidence", decimal(page.evaluation.confidence));
+    // 1 says that the bound is certain, and 1 − 10⁻⁹ is not
+    field("Tessera-Confidence", decimal(page.evaluation.confidence, 12));
     field("Tessera-Work", std::to_string(page.evaluation.work));
     field("Tessera-Accuracy", name_of(page.accuracy));
     if (page.options.max_error) field("Tessera-Max-Error", text_of(*page.options.max_error));

@@ -33,6 +33,14 @@ TEST(Priority, IsTheUrgencyAndThreeUnlessItSaysOtherwise) {
         EXPECT_EQ(urgency_of(odd).value, 3) << odd;
 }
 
+TEST(PagePrelude, TellsABoundThatIsAllButCertainFromOneThatIs) {
+    EncodedPage page;
+    page.bytes = std::make_shared<const EncodedBytes>();
+    EXPECT_NE(page_prelude(page).find("\r\nTessera-Confidence: 1\r\n"), std::string::npos);
+    page.evaluation.confidence = 1 - 1e-9;
+    EXPECT_NE(page_prelude(page).find("\r\nTessera-Confidence: 0.999999999\r\n"), std::string::npos);
+}
+
 TEST(ErrorAnswer, TellsPassingFromLastingAndKeepsTheInsideInside) {
     const Answer busy = error_answer({ErrorCode::overloaded, "too many"});
     EXPECT_EQ(busy.status, 503u);
