@@ -94,6 +94,18 @@ std::string validity_text(const Validity& valid) {
            (valid.until == never ? std::string{"never"} : std::to_string(valid.until));
 }
 
+/// "bound 0.0000 codes"; where it is not certain, how likely it holds.
+std::string bound_text(double codes, double confidence) {
+    char text[80];
+    std::snprintf(text, sizeof text, "bound %.4f codes", codes);
+    std::string told = text;
+    if (confidence < 1) {
+        std::snprintf(text, sizeof text, " with probability %.12g", confidence);
+        told += text;
+    }
+    return told;
+}
+
 Result<void> run_page(const Arguments& arguments) {
     const auto dot = arguments.output.rfind('.');
     const auto format =
@@ -128,10 +140,10 @@ Result<void> run_page(const Arguments& arguments) {
     if (!bytes) return bytes.error();
     if (auto written = write_file(arguments.output, *bytes); !written) return written;
     if (!arguments.quiet)
-        std::fprintf(stderr, "%s: level %u page (%u, %u), method %.*s, bound %.4f codes%s\n",
-                     arguments.output.c_str(), arguments.level, arguments.x, arguments.y,
-                     static_cast<int>(evaluation.method.size()), evaluation.method.data(),
-                     evaluation.bound_codes,
+        std::fprintf(stderr, "%s: level %u page (%u, %u), method %.*s, %s%s\n", arguments.output.c_str(),
+                     arguments.level, arguments.x, arguments.y, static_cast<int>(evaluation.method.size()),
+                     evaluation.method.data(),
+                     bound_text(evaluation.bound_codes, evaluation.confidence).c_str(),
                      (*scene)->animated ? validity_text(evaluation.validity).c_str() : "");
     if (!evaluated->met) return beyond_limit(arguments, evaluation.bound_codes);
     return {};
@@ -182,7 +194,8 @@ Result<void> run_bake(const Arguments& arguments) {
                      arguments.output + ": stopped before it was done; nothing is left of it"};
     if (baked && !arguments.quiet)
         progress.note(arguments.output + ": " + std::to_string(region->width) + " × " +
-                      std::to_string(region->height) + " texels of level " + std::to_string(region->level));
+                      std::to_string(region->height) + " texels of level " + std::to_string(region->level) +
+                      ", " + bound_text(baked->bound_codes, baked->confidence));
     if (!baked) return baked.error();
     if (!baked->within_limit) return beyond_limit(arguments, baked->bound_codes);
     return {};
