@@ -18,12 +18,8 @@ bool is_one_step(const Validity& validity) noexcept { return validity.until - 1 
 
 bool is_endless(const Cycle& cycle) noexcept { return cycle.rest >= endless_rest; }
 
-/// Whether the cycle shows its first frame in all of these steps; no, if that takes long to tell.
-bool rests_through(const TimeLine& line, const Cycle& cycle, const Validity& steps) noexcept {
-    if (is_endless(cycle)) return true;
-    const auto [at, before] = place_at(line, cycle, steps.from);
-    return at <= before && add_steps(steps.from, before + 1 - at) >= steps.until;
-}
+/// Of so few steps each is looked at.
+constexpr std::int64_t few_steps = 8;
 
 }  // namespace
 
@@ -102,6 +98,43 @@ void AnimationOp::run(const Stretch& stretch, const std::int32_t* const* in, std
         pass(stretch, in, out);
 }
 
+/// Whether a cell shows its first frame in all of these steps, whatever setting it follows; no, if that takes
+/// long to tell.
+bool AnimationOp::rests_within(const std::int32_t* const* in, std::int32_t i,
+                               const Validity& steps) const noexcept {
+    const TimeLine& line = frames_->line;
+    const std::size_t end = change_at(changes_, steps.until - 1) + 1;
+    for (std::size_t setting = change_at(changes_, steps.from); setting < end; ++setting) {
+        const Cycle now = cycle_of(settings_[setting], in, i);
+        const Validity part{
+            setting == 0 ? steps.from : std::max(steps.from, changes_[setting - 1]),
+            setting < changes_.size() ? std::min(steps.until, changes_[setting]) : steps.until};
+        if (setting == 0 ? !rests_through(line, now, part)
+                         : !rests_through(line, cycle_of(settings_[setting - 1], in, i), now,
+                                          changes_[setting - 1], part))
+            return false;
+    }
+    return true;
+}
+
+/// shown_within() of so few steps that each is looked at.
+Shown AnimationOp::shown_in_few(const std::int32_t* const* in, std::int32_t i, Step step,
+                                const Validity& within) const noexcept {
+    const auto frame_in = [&](Step at) {
+        const std::size_t setting = change_at(changes_, at);
+        const Cycle now = cycle_of(settings_[setting], in, i);
+        if (setting == 0) return frames_->line.frame_at(position_at(frames_->line, now, at));
+        return frame_at(frames_->line, cycle_of(settings_[setting - 1], in, i), now, changes_[setting - 1],
+                        at);
+    };
+    Shown shown{frame_in(step), {step, step + 1}};
+    while (shown.validity.until < within.until && frame_in(shown.validity.until) == shown.frame)
+        ++shown.validity.until;
+    while (shown.validity.from > within.from && frame_in(shown.validity.from - 1) == shown.frame)
+        --shown.validity.from;
+    return shown;
+}
+
 /// At any step, of a cell that knows of all settings; right as far as it lies `within`, which holds then.
 Shown AnimationOp::shown_within(const std::int32_t* const* in, std::int32_t i, Step step,
                                 const Validity& within) const noexcept {
@@ -109,23 +142,15 @@ Shown AnimationOp::shown_within(const std::int32_t* const* in, std::int32_t i, S
     const std::size_t change = change_at(changes_, step), first = change_at(changes_, within.from),
                       end = change_at(changes_, within.until - 1) + 1;
     const std::size_t from = first < 1 ? 0 : first - 1;
+    if (rests_within(in, i, within)) return {};
+    if (add_steps(within.from, few_steps) >= within.until) return shown_in_few(in, i, step, within);
     const std::size_t near_from = std::max(from, change < 2 ? 0 : change - 2),
                       near_end = std::min(change + 3, end);
     const std::span<const Step> changes{changes_};
     const auto shown = [&](std::size_t begin, std::size_t stop, std::span<Cycle> cycles) {
-        // Nearly always a cell rests, whatever the setting
-        const Validity around{begin + 1 < stop ? std::min(within.from, changes[begin]) : within.from,
-                              within.until};
-        bool rests = true;
-        for (std::size_t setting = begin; setting < stop; ++setting) {
+        for (std::size_t setting = begin; setting < stop; ++setting)
             cycles[setting - begin] = cycle_of(settings_[setting], in, i);
-            rests = rests && rests_through(frames_->line, cycles[setting - begin], around);
-        }
-        if (rests) return Shown{};
         const std::span<const Cycle> some = cycles.first(stop - begin);
-        if (is_one_step(within))
-            return Shown{frame_at(frames_->line, some, changes.subspan(begin, stop - begin - 1), step),
-                         within};
         return shown_at(frames_->line, some, changes.subspan(begin, stop - begin - 1), step);
     };
     std::array<Cycle, 5> near;
@@ -152,8 +177,7 @@ Shown AnimationOp::shown_within(const std::int32_t* const* in, std::int32_t i, S
         return shown_at(line, now, step);
     }
     const std::array cycles{cycle_of(settings_[first], in, i), now};
-    const Validity around{std::min(within.from, changes_[first]), within.until};
-    if (rests_through(line, cycles[0], around) && rests_through(line, cycles[1], around)) return {};
+    if (rests_through(line, cycles[0], now, changes_[first], within)) return {};
     if (is_one_step(within)) return {frame_at(line, cycles[0], cycles[1], changes_[first], step), within};
     return shown_at(line, cycles, std::span{changes_}.subspan(first, 1), step);
 }

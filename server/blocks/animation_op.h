@@ -29,6 +29,7 @@ struct AnimationSteps {
 struct AnimationSetting {
     AnimationSteps phase, rest;  ///< A constant rest is a·Z already.
     std::uint64_t density = 65536;
+    bool operator==(const AnimationSetting&) const = default;
 };
 
 /// Animation Map (3.4), with its temporal transitions: see shared/motion.
@@ -63,6 +64,9 @@ class AnimationOp final : public CellOp {
                    std::int32_t i) const noexcept;
     void answer(const AnimationProbe& probe, const Stretch& stretch, const std::int32_t* const* in,
                 std::int32_t* out) const;
+    bool rests_within(const std::int32_t* const* in, std::int32_t i, const Validity& steps) const noexcept;
+    Shown shown_in_few(const std::int32_t* const* in, std::int32_t i, Step step,
+                       const Validity& within) const noexcept;
     Shown shown_within(const std::int32_t* const* in, std::int32_t i, Step step,
                        const Validity& within) const noexcept;
     Shown shown_within(const std::int32_t* const* in, std::int32_t i, Step step, const Validity& within,

@@ -83,8 +83,8 @@ class LookProgram final : public CellProgram {
             const Look place{.x = place_of(x.least), .y = place_of(y.least)};
             running_.emplace(
                 scroll_, placed && !found.driven ? shares_.varying() : std::nullopt, found.animation,
-                [this, place](std::int32_t value, std::size_t first, std::size_t last) {
-                    return looks_in(value, first, last, place);
+                [this, place](std::int32_t value, std::size_t setting) {
+                    return looks_in(value, setting, place);
                 },
                 !found.steps && !found.drawn);
         }
@@ -227,14 +227,11 @@ class LookProgram final : public CellProgram {
                 .cell_log2 = cell_log2_};
     }
 
-    /// All that cells in entries of a value may show under these settings.
-    std::vector<Look> looks_in(std::int32_t value, std::size_t first, std::size_t last,
-                               const Look& place) const {
+    /// All that cells in entries of a value may show under a setting.
+    std::vector<Look> looks_in(std::int32_t value, std::size_t setting, const Look& place) const {
         std::vector<Look> looks;
-        for (std::size_t setting = first; setting <= last; ++setting)
-            for (const LookShare& share : shares_.shares(std::span{&value, 1}, {.setting = setting}))
-                if (share.share > 0)
-                    looks.push_back({share.pattern, place.x, place.y, share.turn, share.scale});
+        for (const LookShare& share : shares_.shares(std::span{&value, 1}, {.setting = setting}))
+            if (share.share > 0) looks.push_back({share.pattern, place.x, place.y, share.turn, share.scale});
         return looks;
     }
     void ask_scattered(const CellBlock& block, std::span<const CellAt> cells, bool only_patterns,

@@ -58,6 +58,8 @@ RunningCells::RunningCells(const Scroll& scroll, const std::optional<VaryingMap>
     : scroll_{scroll}, animation_{animation}, looks_of_{std::move(looks_of)} {
     if (!varying || possible_values(*varying->map).size() > most_values) return;
     map_ = std::make_shared<const StoredMap>(*varying->map);  // Shares its entries
+    values_ = possible_values(*map_);
+    looks_.resize(animation_ == nullptr ? 1 : animation_->settings().size());
     drawn_ = varying->sampling != VaryingMap::Sampling::nearest || varying->corners;
     if (only_map && map_->edge == StoredMap::Edge::wrap)
         comes_again_ = std::int64_t{map_->width} << map_->cells_log2;
@@ -81,20 +83,50 @@ std::shared_ptr<const RunningCells::Kinds> RunningCells::find(std::size_t first,
     return known_.front().kinds;
 }
 
+const RunningCells::SingleLooks& RunningCells::looks_under(std::size_t setting) const {
+    if (animation_ != nullptr) {
+        const auto settings = animation_->settings();
+        setting = static_cast<std::size_t>(std::find(settings.begin(), settings.end(), settings[setting]) -
+                                           settings.begin());
+    }
+    std::optional<SingleLooks>& looks = looks_[setting];
+    if (looks) return *looks;
+    looks.emplace();
+    for (const std::int32_t value : values_) {
+        const std::vector<Look> shown = looks_of_(value, setting);
+        const auto same = [&](const Look& look) { return shows_same(look, shown.front()); };
+        looks->push_back(!shown.empty() && std::all_of(shown.begin(), shown.end(), same)
+                             ? std::optional{shown.front()}
+                             : std::nullopt);
+    }
+    return *looks;
+}
+
+/// What cells in entries of value number `value` show under all of these settings.
+std::optional<Look> RunningCells::look_of(const Known& known, std::size_t value) const {
+    if (known.values) return Look{.pattern = values_[value]};
+    std::optional<Look> look = looks_under(known.first)[value];
+    for (std::size_t setting = known.first + 1; look && setting <= known.last; ++setting) {
+        const std::optional<Look>& other = looks_under(setting)[value];
+        if (!other || !shows_same(*look, *other)) look.reset();
+    }
+    return look;
+}
+
 /// What is told apart in entries; runs are looked for among those that are known.
 std::shared_ptr<const RunningCells::Kinds> RunningCells::make(Known& known) const {
     Kinds kinds;
-    for (const std::int32_t value : possible_values(*map_)) {
-        const std::vector<Look> shown =
-            known.values ? std::vector<Look>{{.pattern = value}} : looks_of_(value, known.first, known.last);
+    for (std::size_t value = 0; value < values_.size(); ++value) {
         known.kind_of_value.push_back(StillRuns::other);
-        const auto same = [&](const Look& look) { return shows_same(look, shown.front()); };
-        if (shown.empty() || !std::all_of(shown.begin(), shown.end(), same)) continue;
+        const std::optional<Look> shown = look_of(known, value);
+        if (!shown) continue;
         // Of values each has its own
-        const auto is =
-            known.values ? kinds.looks.end() : std::find_if(kinds.looks.begin(), kinds.looks.end(), same);
+        const auto is = known.values
+                            ? kinds.looks.end()
+                            : std::find_if(kinds.looks.begin(), kinds.looks.end(),
+                                           [&](const Look& look) { return shows_same(look, *shown); });
         known.kind_of_value.back() = static_cast<StillRuns::Kind>(is - kinds.looks.begin());
-        if (is == kinds.looks.end()) kinds.looks.push_back(shown.front());
+        if (is == kinds.looks.end()) kinds.looks.push_back(*shown);
     }
     if (kinds.looks.empty()) return std::make_shared<const Kinds>();
     const auto alike = std::find_if(known_.begin(), known_.end(), [&](const Known& other) {
@@ -122,7 +154,8 @@ Validity RunningCells::through_map(const CellBlock& block) const {
     const std::int64_t left = wide.x + place.shift;
     const StillRuns::Kind kind = kinds->runs->kind_at(left, wide.y);
     for (std::int64_t y = wide.y; y < wide.y + wide.height; ++y)
-        if (kinds->runs->right(left, y, kind, wide.width) != left + wide.width) return place.validity;
+        if (kinds->runs->right(kinds->runs->row_of(y), left, kind, wide.width).x != left + wide.width)
+            return place.validity;
     SeenCells seen{scroll_.cells};
     const std::int32_t value = kinds->looks[static_cast<std::size_t>(kind)].pattern;
     seen.see(wide.x, wide.y, std::span{&value, 1});
@@ -132,9 +165,9 @@ Validity RunningCells::through_map(const CellBlock& block) const {
 
 std::size_t RunningCells::memory_bytes() const noexcept {
     if (!map_) return 0;
-    // A bit an entry: of two messages and both, and of values
+    // A bit an entry: of two messages and both, and of values; and where its words are
     const auto entries = static_cast<std::size_t>(map_->width) * static_cast<std::size_t>(map_->height);
-    return entries / 2 + static_cast<std::size_t>(map_->height) * 256;
+    return entries / 2 + entries / 32 + static_cast<std::size_t>(map_->height) * 512;
 }
 
 }  // namespace tessera

@@ -4,6 +4,7 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "server/blocks/animation_op.h"
@@ -15,9 +16,9 @@ namespace tessera {
 /// worked out when it is first asked for.
 class RunningCells {
   public:
-    /// All that cells in entries of a value may show under some settings of their animation, from the first
-    /// to the last; none where that is not known.
-    using LooksOf = std::function<std::vector<Look>(std::int32_t value, std::size_t first, std::size_t last)>;
+    /// All that cells in entries of a value may show under a setting of their animation; none where that is
+    /// not known.
+    using LooksOf = std::function<std::vector<Look>(std::int32_t value, std::size_t setting)>;
     /// `varying`: the program's, if steps and entries and draws are all that decides. `animation`: the only
     /// one there is, if any; lives longer. `only_map`: entries alone decide.
     RunningCells(const Scroll& scroll, const std::optional<VaryingMap>& varying, const AnimationOp* animation,
@@ -48,6 +49,10 @@ class RunningCells {
         std::shared_ptr<const Kinds> kinds;
     };
     static constexpr std::size_t most_known = 16;
+    /// Of each value what cells in entries of it show, if that is one look and no other.
+    using SingleLooks = std::vector<std::optional<Look>>;
+    const SingleLooks& looks_under(std::size_t setting) const;
+    std::optional<Look> look_of(const Known& known, std::size_t value) const;
     std::shared_ptr<const Kinds> find(std::size_t first, std::size_t last, bool values) const;
     std::shared_ptr<const Kinds> make(Known& known) const;
 
@@ -59,6 +64,9 @@ class RunningCells {
     LooksOf looks_of_;
     mutable std::mutex mutex_;
     mutable std::list<Known> known_;  ///< Last used first.
+    /// By setting, once asked for; of settings that are alike, the first.
+    mutable std::vector<std::optional<SingleLooks>> looks_;
+    std::vector<std::int32_t> values_;  ///< Of the map.
 };
 
 }  // namespace tessera

@@ -152,7 +152,10 @@ class AlikeSearch {
     void search_from(std::int64_t first) {
         first_ = first;
         const std::int64_t begin = (first - base_) * by_;
-        rows_.assign(static_cast<std::size_t>(block_.height), {begin, false});
+        rows_.assign(static_cast<std::size_t>(block_.height), {.next = begin});
+        if (still_.kind != StillRuns::other)
+            for (std::size_t row = 0; row < rows_.size(); ++row)
+                rows_[row].entries = still_.runs->row_of(block_.y + static_cast<std::int64_t>(row));
         // Nearly always something changes soon
         std::int64_t some = 1;
         for (std::int64_t k = first; k <= last_; some *= 2) {
@@ -169,20 +172,23 @@ class AlikeSearch {
     /// How far a row was looked through: up to its cell number `next`.
     struct RowPlace {
         std::int64_t next = 0;
-        bool found = false;  ///< That one may show something else.
+        bool found = false;    ///< That one may show something else, …
+        bool certain = false;  ///< … or does.
+        StillRuns::Row entries{};
     };
     /// On to the next that may.
-    void look_on(RowPlace& place, std::int64_t y, std::int64_t end) const {
+    void look_on(RowPlace& place, std::int64_t end) const {
         place.found = true;
         if (still_.kind == StillRuns::other) return;
         // A few words of bits: further than is asked for now, so that they need not be read again
         constexpr std::int64_t cells_at_least = 1024;
         const std::int64_t most = std::max(end - place.next, cells_at_least), x = x_of(place.next);
-        const std::int64_t still = std::abs((way_.cells() > 0 ? still_.runs->right(x, y, still_.kind, most)
-                                                              : still_.runs->left(x, y, still_.kind, most)) -
-                                            x);
-        place.next += still;
-        place.found = still < most;
+        const StillRuns::Found found = way_.cells() > 0
+                                           ? still_.runs->right(place.entries, x, still_.kind, most)
+                                           : still_.runs->left(place.entries, x, still_.kind, most);
+        place.next += std::abs(found.x - x);
+        place.found = found.kind != still_.kind;
+        place.certain = found.kind != StillRuns::other;
     }
 
     /// Asks for cells before number `end` that may show something else.
@@ -192,7 +198,7 @@ class AlikeSearch {
             const std::int64_t y = block_.y + static_cast<std::int64_t>(row);
             while (place.next < end) {
                 if (!place.found) {
-                    look_on(place, y, end);
+                    look_on(place, end);
                     continue;
                 }
                 const std::int64_t number = place.next;
@@ -208,7 +214,7 @@ class AlikeSearch {
                     continue;
                 }
                 const std::int64_t x = x_of(number);
-                if (still_.kind != StillRuns::other && still_.runs->kind_at(x, y) != StillRuns::other) {
+                if (place.certain) {
                     way_.change_into(step);
                     break;
                 }

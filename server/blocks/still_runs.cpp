@@ -1,6 +1,8 @@
 #include "server/blocks/still_runs.h"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <bit>
 #include <utility>
 
@@ -8,63 +10,42 @@ namespace tessera {
 
 namespace {
 
-constexpr std::int64_t word_bits = 64;
+constexpr std::int64_t word_bits = 64, part_words = 16, part_bits = word_bits * part_words;
 /// A table of the values' kinds may have so many entries; else they are searched for.
 constexpr std::int64_t most_listed = std::int64_t{1} << 16;
 
-/// Into 0 to `side` − 1, with one division.
+/// Into 0 to `side` − 1, with one division, and mostly none.
 std::int64_t wrapped(std::int64_t i, std::int32_t side) noexcept {
+    if (i >= 0 && i < side) return i;
     i %= side;
     return i < 0 ? i + side : i;
 }
 
 }  // namespace
 
-/// A bit for each entry at which a run begins: that is of `other` kind, or of another than the one left of
-/// it.
-struct StillRuns::Row {
-    std::vector<std::uint64_t> begins;
-    Kind single = other;  ///< Of all of them, if they are of one.
-    const std::int32_t* values = nullptr;
-
-    Kind kind(std::int64_t i, const StillRuns& of) const noexcept { return of.kind_of(values[i]); }
-
-    /// The first begin behind entry i; `width` if there is none.
-    std::int64_t behind(std::int64_t i, std::int64_t width) const noexcept {
-        ++i;
-        auto word = static_cast<std::size_t>(i / word_bits);
-        if (word >= begins.size()) return width;
-        std::uint64_t bits = begins[word] & (~std::uint64_t{0} << (i % word_bits));
-        while (bits == 0) {
-            if (++word == begins.size()) return width;
-            bits = begins[word];
-        }
-        return static_cast<std::int64_t>(word) * word_bits + std::countr_zero(bits);
-    }
-    /// The last begin up to and including entry i: there is one, entry 0.
-    std::int64_t before(std::int64_t i) const noexcept {
-        auto word = static_cast<std::size_t>(i / word_bits);
-        std::uint64_t bits = begins[word] & (~std::uint64_t{0} >> (word_bits - 1 - i % word_bits));
-        while (bits == 0) bits = begins[--word];
-        return static_cast<std::int64_t>(word) * word_bits + (word_bits - 1 - std::countl_zero(bits));
-    }
+/// Of some entries of a row a bit for each at which a run begins: that is of `other` kind, or of another than
+/// the one left of it. The first entry of a row is one.
+struct StillRuns::Part {
+    std::array<std::uint64_t, part_words> begins{};
 };
 
-struct StillRuns::Rows {
-    explicit Rows(std::int32_t height) : rows(static_cast<std::size_t>(height)) {}
-    Rows(const Rows&) = delete;
-    Rows& operator=(const Rows&) = delete;
-    ~Rows() {
-        for (const auto& row : rows) delete row.load();
+/// Of each row those that were asked for.
+struct StillRuns::Parts {
+    explicit Parts(std::size_t count) : all(count) {}
+    Parts(const Parts&) = delete;
+    Parts& operator=(const Parts&) = delete;
+    ~Parts() {
+        for (const auto& part : all) delete part.load();
     }
-    std::vector<std::atomic<const Row*>> rows;
+    std::vector<std::atomic<const Part*>> all;
 };
 
 StillRuns::StillRuns(std::shared_ptr<const StoredMap> map, std::vector<Kind> kinds)
     : map_{std::move(map)},
       values_{possible_values(*map_)},
       kinds_{std::move(kinds)},
-      rows_{std::make_shared<Rows>(map_->height)} {
+      parts_in_row_{(map_->width + part_bits - 1) / part_bits},
+      parts_{std::make_shared<Parts>(static_cast<std::size_t>(parts_in_row_ * map_->height))} {
     const std::int64_t span = std::int64_t{values_.back()} - values_.front() + 1;
     if (span > most_listed) return;
     by_value_.assign(static_cast<std::size_t>(span), other);
@@ -78,112 +59,140 @@ StillRuns::Kind StillRuns::kind_of(std::int32_t value) const noexcept {
     return kinds_[static_cast<std::size_t>(found - values_.begin())];
 }
 
-StillRuns::Kind StillRuns::kind_of_entry(std::int64_t i, std::int64_t y) const noexcept {
-    return kind_of(map_->entry(i, (y - map_->y) >> map_->cells_log2));
+StillRuns::Kind StillRuns::kind_beside(const Row& row, bool right) const noexcept {
+    if (map_->edge == StoredMap::Edge::blank) return kind_of(-1);
+    return kind_of(row.values[right ? map_->width - 1 : 0]);
 }
 
 std::int64_t StillRuns::entry_of(std::int64_t x) const noexcept { return (x - map_->x) >> map_->cells_log2; }
 
 StillRuns::Kind StillRuns::kind_at(std::int64_t x, std::int64_t y) const {
-    return kind_of_entry(entry_of(x), y);
+    return kind_of(map_->entry(entry_of(x), (y - map_->y) >> map_->cells_log2));
 }
 
-const StillRuns::Row& StillRuns::row_of(std::int64_t y) const {
+StillRuns::Row StillRuns::row_of(std::int64_t y) const noexcept {
     std::int64_t j = (y - map_->y) >> map_->cells_log2;
+    const bool blank = map_->edge == StoredMap::Edge::blank && (j < 0 || j >= map_->height);
     j = map_->edge == StoredMap::Edge::wrap ? wrapped(j, map_->height)
                                             : std::clamp<std::int64_t>(j, 0, map_->height - 1);
-    std::atomic<const Row*>& place = rows_->rows[static_cast<std::size_t>(j)];
-    if (const Row* known = place.load(std::memory_order_acquire)) return *known;
-    auto row = std::make_unique<Row>();
-    row->begins.assign(static_cast<std::size_t>((map_->width + word_bits - 1) / word_bits), 0);
-    const std::int32_t* values = map_->values.data() + j * map_->width;
-    row->values = values;
-    Kind last = other;
-    std::int64_t count = 0;
-    for (std::int64_t i = 0; i < map_->width; ++i) {
-        const Kind kind = kind_of(values[i]);
-        if (i > 0 && kind == last && kind != other) continue;
-        row->begins[static_cast<std::size_t>(i / word_bits)] |= std::uint64_t{1} << (i % word_bits);
-        last = kind;
-        ++count;
+    return {map_->values.data() + j * map_->width, static_cast<std::size_t>(j * parts_in_row_), blank};
+}
+
+const StillRuns::Part& StillRuns::part_of(const Row& row, std::int64_t number) const {
+    std::atomic<const Part*>& place = parts_->all[row.first_part + static_cast<std::size_t>(number)];
+    if (const Part* known = place.load(std::memory_order_acquire)) return *known;
+    auto part = std::make_unique<Part>();
+    const std::int64_t first = number * part_bits,
+                       end = std::min<std::int64_t>(first + part_bits, map_->width);
+    Kind last = first > 0 ? kind_of(row.values[first - 1]) : other;
+    std::int64_t i = first;
+    for (std::uint64_t& word : part->begins) {
+        std::uint64_t bits = 0;
+        for (const std::int64_t word_end = std::min(i + word_bits, end); i < word_end; ++i) {
+            const Kind kind = kind_of(row.values[i]);
+            bits |= std::uint64_t{kind != last || kind == other || i == 0} << (i % word_bits);
+            last = kind;
+        }
+        word = bits;
     }
-    if (count == 1) row->single = last;
     // Others may have been as fast
-    const Row* nobody = nullptr;
-    if (place.compare_exchange_strong(nobody, row.get(), std::memory_order_acq_rel)) return *row.release();
+    const Part* nobody = nullptr;
+    if (place.compare_exchange_strong(nobody, part.get(), std::memory_order_acq_rel)) return *part.release();
     return *nobody;
 }
 
-/// Whether the row shows nothing of the map.
-bool StillRuns::is_blank(std::int64_t y) const noexcept {
-    const std::int64_t j = (y - map_->y) >> map_->cells_log2;
-    return map_->edge == StoredMap::Edge::blank && (j < 0 || j >= map_->height);
-}
-
-bool StillRuns::all_along(std::int64_t y, Kind kind) const {
-    return is_blank(y) ? kind_of(-1) == kind : is_all(row_of(y), kind);
-}
-
-/// Of a row that lies in the map at last in part, and what is beside it.
-bool StillRuns::is_all(const Row& row, Kind kind) const noexcept {
-    return row.single == kind && (map_->edge != StoredMap::Edge::blank || kind_of(-1) == kind);
-}
-
-std::int64_t StillRuns::right(std::int64_t x, std::int64_t y, Kind kind, std::int64_t most) const {
-    const std::int64_t end = x + most;
-    if (most <= 0) return end;
-    if (is_blank(y)) return kind_of(-1) == kind ? end : x;
-    const Row& row = row_of(y);
-    if (is_all(row, kind)) return end;
-    const std::int64_t width = map_->width, last = entry_of(end - 1);
-    std::int64_t entry = entry_of(x);
-    if (map_->edge != StoredMap::Edge::wrap) {
-        if (entry < 0) {
-            if (kind_of_entry(entry, y) != kind) return x;
-            entry = 0;
-        }
-        for (; entry < width && entry <= last; entry = row.behind(entry, width))
-            if (row.kind(entry, *this) != kind) return std::max(x, (entry << map_->cells_log2) + map_->x);
-        if (entry > last || kind_of_entry(width, y) == kind) return end;
-        return std::max(x, (entry << map_->cells_log2) + map_->x);
-    }
-    for (std::int64_t i = wrapped(entry, map_->width); entry <= last;) {
-        if (row.kind(i, *this) != kind) return std::max(x, (entry << map_->cells_log2) + map_->x);
-        const std::int64_t next = row.behind(i, width);
-        entry += next - i;
-        i = next == width ? 0 : next;
+std::int64_t StillRuns::next_begin(const Row& row, std::int64_t i, std::int64_t end) const {
+    for (++i; i < end; i = (i / part_bits + 1) * part_bits) {
+        const Part& part = part_of(row, i / part_bits);
+        auto word = static_cast<std::size_t>(i % part_bits / word_bits);
+        std::uint64_t bits = part.begins[word] & (~std::uint64_t{0} << (i % word_bits));
+        while (bits == 0 && ++word < part_words) bits = part.begins[word];
+        if (bits != 0)
+            return std::min(end, i / part_bits * part_bits + static_cast<std::int64_t>(word) * word_bits +
+                                     std::countr_zero(bits));
     }
     return end;
 }
 
-std::int64_t StillRuns::left(std::int64_t x, std::int64_t y, Kind kind, std::int64_t most) const {
-    const std::int64_t end = x - most;
-    if (most <= 0) return end;
-    if (is_blank(y)) return kind_of(-1) == kind ? end : x;
-    const Row& row = row_of(y);
-    if (is_all(row, kind)) return end;
-    const std::int64_t width = map_->width, last = entry_of(end + 1);
-    const auto right_of = [&](std::int64_t entry) {
-        return std::min(x, ((entry + 1) << map_->cells_log2) - 1 + map_->x);
+std::int64_t StillRuns::last_begin(const Row& row, std::int64_t i, std::int64_t least) const {
+    for (; i >= least; i = i / part_bits * part_bits - 1) {
+        const Part& part = part_of(row, i / part_bits);
+        auto word = static_cast<std::size_t>(i % part_bits / word_bits);
+        std::uint64_t bits = part.begins[word] & (~std::uint64_t{0} >> (word_bits - 1 - i % word_bits));
+        while (bits == 0 && word > 0) bits = part.begins[--word];
+        if (bits != 0)
+            return std::max(least, i / part_bits * part_bits + static_cast<std::int64_t>(word) * word_bits +
+                                       (word_bits - 1 - std::countl_zero(bits)));
+    }
+    return least;
+}
+
+bool StillRuns::all_along(std::int64_t y, Kind kind) const {
+    const Row row = row_of(y);
+    if (row.blank) return kind_of(-1) == kind;
+    if (map_->edge == StoredMap::Edge::blank && kind_of(-1) != kind) return false;
+    // Of one that lies in the map at last in part
+    return kind_of(row.values[0]) == kind && next_begin(row, 0, map_->width) == map_->width;
+}
+
+StillRuns::Found StillRuns::right(const Row& row, std::int64_t x, Kind kind, std::int64_t most) const {
+    const Found none{x + most, kind};
+    if (most <= 0) return none;
+    if (row.blank) return kind_of(-1) == kind ? none : Found{x, kind_of(-1)};
+    const std::int64_t width = map_->width, last = entry_of(x + most - 1);
+    const auto found = [&](std::int64_t entry, Kind is) {
+        return Found{std::max(x, (entry << map_->cells_log2) + map_->x), is};
+    };
+    std::int64_t entry = entry_of(x);
+    if (map_->edge != StoredMap::Edge::wrap) {
+        if (entry < 0) {
+            if (const Kind is = kind_beside(row, false); is != kind) return {x, is};
+            entry = 0;
+        }
+        for (; entry < width && entry <= last; entry = next_begin(row, entry, std::min(width, last + 1)))
+            if (const Kind is = kind_of(row.values[entry]); is != kind) return found(entry, is);
+        const Kind beside = kind_beside(row, true);
+        return entry > last || beside == kind ? none : found(entry, beside);
+    }
+    // Once round is enough
+    const std::int64_t round_last = std::min(last, entry + width - 1);
+    for (std::int64_t i = wrapped(entry, map_->width); entry <= round_last;) {
+        if (const Kind is = kind_of(row.values[i]); is != kind) return found(entry, is);
+        const std::int64_t next = next_begin(row, i, std::min(width, i + (round_last - entry) + 1));
+        entry += next - i;
+        i = next == width ? 0 : next;
+    }
+    return none;
+}
+
+StillRuns::Found StillRuns::left(const Row& row, std::int64_t x, Kind kind, std::int64_t most) const {
+    const Found none{x - most, kind};
+    if (most <= 0) return none;
+    if (row.blank) return kind_of(-1) == kind ? none : Found{x, kind_of(-1)};
+    const std::int64_t width = map_->width, last = entry_of(x - most + 1);
+    const auto found = [&](std::int64_t entry, Kind is) {
+        return Found{std::min(x, ((entry + 1) << map_->cells_log2) - 1 + map_->x), is};
     };
     std::int64_t entry = entry_of(x);
     if (map_->edge != StoredMap::Edge::wrap) {
         if (entry >= width) {
-            if (kind_of_entry(entry, y) != kind) return x;
+            if (const Kind is = kind_beside(row, true); is != kind) return {x, is};
             entry = width - 1;
         }
-        for (; entry >= 0 && entry >= last; entry = row.before(entry) - 1)
-            if (row.kind(entry, *this) != kind) return right_of(entry);
-        if (entry < last || kind_of_entry(-1, y) == kind) return end;
-        return right_of(entry);
+        const std::int64_t least = std::max<std::int64_t>(last, 0);
+        for (; entry >= 0 && entry >= last; entry = last_begin(row, entry, least) - 1)
+            if (const Kind is = kind_of(row.values[entry]); is != kind) return found(entry, is);
+        const Kind beside = kind_beside(row, false);
+        return entry < last || beside == kind ? none : found(entry, beside);
     }
-    for (std::int64_t i = wrapped(entry, map_->width); entry >= last;) {
-        if (row.kind(i, *this) != kind) return right_of(entry);
-        const std::int64_t begin = row.before(i);
+    const std::int64_t round_last = std::max(last, entry - width + 1);
+    for (std::int64_t i = wrapped(entry, map_->width); entry >= round_last;) {
+        if (const Kind is = kind_of(row.values[i]); is != kind) return found(entry, is);
+        const std::int64_t begin = last_begin(row, i, std::max<std::int64_t>(0, i - (entry - round_last)));
         entry -= i - begin + 1;
         i = begin == 0 ? width - 1 : begin - 1;
     }
-    return end;
+    return none;
 }
 
 }  // namespace tessera

@@ -67,9 +67,9 @@ struct StoredMap {
     /// The entry (i, j), counted from the map's first one on; any integers.
     std::int32_t entry(std::int64_t i, std::int64_t j) const noexcept {
         if (edge == Edge::wrap) {
-            i %= width, j %= height;
-            if (i < 0) i += width;
-            if (j < 0) j += height;
+            // Mostly it lies inside, and a division takes long
+            if (i < 0 || i >= width) i = (i % width + width) % width;
+            if (j < 0 || j >= height) j = (j % height + height) % height;
         } else if (edge == Edge::clamp) {
             i = std::clamp<std::int64_t>(i, 0, width - 1);
             j = std::clamp<std::int64_t>(j, 0, height - 1);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "shared/motion/cycle_place.h"
+
 namespace tessera {
 
 namespace {
@@ -80,6 +82,21 @@ std::int32_t frame_at(const TimeLine& line, const Cycle& from, const Cycle& to, 
     const Passage passed = passage(line, from, to, at);
     if (step < passed.old_until) return frame_of(line, from, step);
     return step < passed.new_from ? 0 : frame_of(line, to, step);
+}
+
+bool rests_through(const TimeLine& line, const Cycle& cycle, const Validity& steps) noexcept {
+    if (cycle.rest >= endless_rest) return true;
+    const auto [at, before] = place_at(line, cycle, steps.from);
+    return at <= before && add_steps(steps.from, before + 1 - at) >= steps.until;
+}
+
+bool rests_through(const TimeLine& line, const Cycle& from, const Cycle& to, Step at,
+                   const Validity& steps) noexcept {
+    const Passage passed = passage(line, from, to, at);
+    // Unless it rests at the change, the old cycle runs on
+    if (steps.from < passed.old_until && passed.old_until != add_steps(at, 1)) return false;
+    const Step begin = std::max(steps.from, passed.new_from);
+    return begin >= steps.until || rests_through(line, to, {begin, steps.until});
 }
 
 std::int32_t frame_at(const TimeLine& line, std::span<const Cycle> cycles, std::span<const Step> changes,

@@ -53,6 +53,12 @@ class ChangeTimes {
 /// What a cell shows whose parameters change from `from` to `to` at step `at`.
 std::int32_t frame_at(const TimeLine& line, const Cycle& from, const Cycle& to, Step at, Step step) noexcept;
 
+/// Whether a cell shows its first frame in all of `steps`; no, if that takes long to tell.
+bool rests_through(const TimeLine& line, const Cycle& cycle, const Validity& steps) noexcept;
+/// The same of one whose parameters change from `from` to `to` at step `at`: the steps begin there or later.
+bool rests_through(const TimeLine& line, const Cycle& from, const Cycle& to, Step at,
+                   const Validity& steps) noexcept;
+
 /// What a cell shows that changes several times. `changes`: rising, as ChangeTimes says them; `cycles`: the
 /// cell's before the first change, and after each. The validity goes from where the frame changed last to
 /// where it changes next, across changes.
