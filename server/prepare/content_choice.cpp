@@ -96,8 +96,8 @@ void PatchContents::add_candidate(ExchangeAsset::Offset at) {
     // As much for each texel as it would be if the others left the tile a third of them
     const auto usual = static_cast<std::int32_t>(repetition(scale_->variance * 64, 3) / 64);
     const std::vector<std::int32_t> prices(tile_.size(), std::max(1, usual));
-    ShapedContent content{
-        at, cut_content(ground_, *photo_, at, ground_.deepest * free_depth / 100, scale_->usual(), prices)};
+    ShapedContent content{at, cut_content(ground_, *photo_, at, ground_.deepest * free_depth / 100,
+                                          scale_->usual(), prices, {})};
     seams_.push_back(static_cast<std::int64_t>(sum_seam(ground_, *photo_, at, content.shape).distances));
     candidate_deviations_.push_back(deviations(content));
     candidates_.push_back(std::move(content));
@@ -148,7 +148,14 @@ ShownSum PatchContents::shown() const {
     return shown;
 }
 
-void PatchContents::recut() {
+std::vector<PerceptualColor> PatchContents::colors_at(std::int32_t x, std::int32_t y) const {
+    std::vector<PerceptualColor> colors{ground_.tile_at(x, y)};
+    for (const auto& [at, shape] : chosen_)
+        colors.push_back(shape.at(x, y) ? photo_->at(at.x + x, at.y + y) : ground_.tile_at(x, y));
+    return colors;
+}
+
+void PatchContents::recut(const ColorsBeside& beside) {
     std::vector<std::int32_t> prices(tile_.size());
     const std::int64_t shown = std::ssize(chosen_) + 1;
     for (std::size_t c = 0; c < chosen_.size(); ++c) {
@@ -164,7 +171,7 @@ void PatchContents::recut() {
                     repetition(64 * sums_[i] * exchanged, shown) / 64, -20000, 20000));
             }
         content.shape = cut_content(ground_, *photo_, content.at, ground_.deepest * free_depth / 100,
-                                    scale_->usual(), prices);
+                                    scale_->usual(), prices, beside);
         chosen_deviations_[c] = deviations(content);
         add_to_sums(chosen_deviations_[c], 1);
     }

@@ -57,10 +57,13 @@ class PatchContents {
     void add_candidate(ExchangeAsset::Offset at);
     /// Takes the best of the candidates that lie `distance` apart from those taken; false if there is none.
     bool take_best(std::int32_t distance, const PhotoUses& uses);
-    /// Cuts each content's shape again, now that the others are known.
-    void recut();
+    /// Cuts each content's shape again, now that the others are known, and what the neighbours show.
+    void recut(const ColorsBeside& beside);
 
     ShownSum shown() const;
+    /// What a texel of the patch shows, in the box's coordinates: the tile's colour and each content's.
+    std::vector<PerceptualColor> colors_at(std::int32_t x, std::int32_t y) const;
+    const PatchGround& ground() const { return ground_; }
     const std::vector<ShapedContent>& contents() const { return chosen_; }
 
   private:

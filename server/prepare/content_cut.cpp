@@ -10,9 +10,11 @@ namespace {
 using Offset = ExchangeAsset::Offset;
 
 /// What a border costs where both sides are the patch's own, in quarters, and where it is the patch's own
-/// border, on which the neighbours' contents may be met instead of the tile.
+/// border, on which the neighbours' contents may be met instead of the tile, while these are not known.
 constexpr int inner_weight = 4;
 constexpr int rim_weight = 6;
+/// What is seen beyond twice the usual counts so many times more.
+constexpr std::uint32_t hard_edge_weight = 2;
 
 /// The photograph moved onto the box. One texel around the box it may have ended.
 class MovedPhoto {
@@ -154,7 +156,8 @@ PatchGround make_patch_ground(const PerceptualImage& tile, const Segmentation& s
 }
 
 BitMask cut_content(const PatchGround& ground, const PerceptualImage& photo, Offset at, std::int32_t core,
-                    std::uint32_t usual, const std::vector<std::int32_t>& tile_prices) {
+                    std::uint32_t usual, const std::vector<std::int32_t>& tile_prices,
+                    const ColorsBeside& beside) {
     const MovedPhoto moved{photo, at};
     const std::int32_t width = ground.width, height = ground.height;
     // What is in at every price: the core, which is never empty
@@ -169,12 +172,28 @@ BitMask cut_content(const PatchGround& ground, const PerceptualImage& photo, Off
     // full
     const auto price = [&](const PerceptualColor& a, const PerceptualColor& b) {
         const std::uint32_t seen = color_distance(a, b);
-        return seen / 16 + (seen > usual ? seen - usual : 0);
+        return seen / 16 + (seen > usual ? seen - usual : 0) +
+               (seen > 2 * usual ? hard_edge_weight * (seen - 2 * usual) : 0);
+    };
+    const auto mean_price = [&](const PerceptualColor& a, const std::vector<PerceptualColor>& others) {
+        std::uint64_t sum = 0;
+        for (const PerceptualColor& b : others) sum += price(a, b);
+        return static_cast<std::int32_t>(sum / others.size());
+    };
+    // Along the patch's own border: inside it meets the content, else the tile
+    const auto add_rim = [&](std::int32_t x, std::int32_t y, const std::vector<PerceptualColor>& others) {
+        cut.add_inside(cut.index(x, y),
+                       mean_price(moved.at(x, y), others) - mean_price(ground.tile_at(x, y), others));
     };
     const auto add = [&](std::int32_t x, std::int32_t y, std::int32_t to_x, std::int32_t to_y,
                          std::vector<std::uint32_t>& borders) {
         const bool here = ground.holds(x, y), there = ground.holds(to_x, to_y);
         if ((!here && !there) || (in_core(x, y) && in_core(to_x, to_y))) return;
+        if (here != there && !beside.empty()) {
+            const auto& others =
+                beside.at(here ? ground.index_around(to_x, to_y) : ground.index_around(x, y));
+            return here ? add_rim(x, y, others) : add_rim(to_x, to_y, others);
+        }
         const auto weight = static_cast<std::uint32_t>(here && there ? inner_weight : rim_weight);
         const std::size_t first = cut.index(x, y), second = cut.index(to_x, to_y);
         cut.add_border(first, second, borders,

@@ -13,10 +13,31 @@ namespace {
 /// can be less bound by it.
 constexpr int candidates_for_each = 4;
 /// How often the chosen ones are cut again.
-constexpr int recuts = 3;
+constexpr int recuts = 6;
 /// The part of the repetition that is tolerated, 1 / contents + 3 %, that is aimed at: blending adds to what
 /// hard shapes repeat.
 constexpr int repetition_percent = 70;
+
+/// What the texels around a patch show.
+ColorsBeside colors_beside(const std::vector<PatchContents>& contents, const Segmentation& segmentation,
+                           std::int32_t side, std::size_t patch) {
+    const std::int32_t wrap = side - 1;
+    const PatchGround& ground = contents[patch].ground();
+    const auto& box = segmentation.patches[patch];
+    ColorsBeside beside;
+    for (std::int32_t y = -1; y <= ground.height; ++y)
+        for (std::int32_t x = -1; x <= ground.width; ++x) {
+            const bool touches = ground.holds(x - 1, y) || ground.holds(x + 1, y) || ground.holds(x, y - 1) ||
+                                 ground.holds(x, y + 1);
+            if (ground.holds(x, y) || !touches) continue;
+            const std::int32_t tile_x = (box.x + x) & wrap, tile_y = (box.y + y) & wrap;
+            const std::size_t other = segmentation.labels[static_cast<std::size_t>(tile_y * side + tile_x)];
+            const auto& its = segmentation.patches[other];
+            beside[ground.index_around(x, y)] =
+                contents[other].colors_at((tile_x - its.x) & wrap, (tile_y - its.y) & wrap);
+        }
+    return beside;
+}
 
 }  // namespace
 
@@ -63,9 +84,13 @@ std::vector<std::vector<ShapedContent>> find_contents(const PerceptualImage& pho
     const std::int64_t aim = repetition_percent * (10000 / search.contents + 300) / 100;
     for (int pass = 0; pass < recuts; ++pass) {
         done = 0;
+        // All of them against what the others showed before, so that their order does not matter
+        std::vector<ColorsBeside> beside(count);
+        for (std::size_t patch = 0; patch < count; ++patch)
+            beside[patch] = colors_beside(contents, segmentation, tile.side, patch);
         for_each_index(count, search.threads, [&](std::size_t patch) {
             if (progress.stop().stop_requested()) return;
-            contents[patch].recut();
+            contents[patch].recut(beside[patch]);
             const double step = 0.35 / recuts;
             advance(0.65 + step * pass, 0.65 + step * (pass + 1));
         });
