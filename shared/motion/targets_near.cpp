@@ -42,10 +42,8 @@ class TargetDistance::Approach {
     /// Whether one of the places is.
     bool is_near(std::int64_t moved) const noexcept {
         const auto below = [&](std::int64_t from, std::int64_t by, std::int64_t first, std::int64_t count) {
-            const Wide way = Wide{by} * moved;
-            const Wide at = from - first + way / walk_.steps - (way % walk_.steps < 0 ? 1 : 0);
-            const Wide index = at < 0 ? Wide{0} : at / places_.spacing;
-            return static_cast<std::int64_t>(std::min<Wide>(index, count - 1));
+            return is_small_ ? place_below<std::int64_t>(from - first, by, moved, count)
+                             : place_below<Wide>(from - first, by, moved, count);
         };
         const std::int64_t i = below(walk_.from.x, walk_.by.x, places_.first.x, places_.columns),
                            j = below(walk_.from.y, walk_.by.y, places_.first.y, places_.rows);
@@ -79,12 +77,18 @@ class TargetDistance::Approach {
             if (const double other = square(t); other < best_square) best = t, best_square = other;
         };
         take(most);
-        if (bx != 0) take((x0 - x) / bx), take((x1 - x) / bx);
-        if (by != 0) take((y0 - y) / by), take((y1 - y) / by);
-        if (const double length = bx * bx + by * by; length > 0)
+        const auto take_sides = [&](double first, double last, double speed) {
+            if (speed == 0) return;
+            const double steps_a_texel = 1 / speed;
+            take(first * steps_a_texel), take(last * steps_a_texel);
+        };
+        take_sides(x0 - x, x1 - x, bx), take_sides(y0 - y, y1 - y, by);
+        if (const double length = bx * bx + by * by; length > 0) {
+            const double along_x = bx / length, along_y = by / length;
             for (const double corner_x : {x0, x1})
                 for (const double corner_y : {y0, y1})
-                    take(((corner_x - x) * bx + (corner_y - y) * by) / length);
+                    take((corner_x - x) * along_x + (corner_y - y) * along_y);
+        }
         // Its neighbours too: doubles are off by less
         const auto middle = static_cast<std::int64_t>(best);
         for (const std::int64_t t : {middle, middle + 1, middle - 1, middle + 2})
@@ -125,6 +129,17 @@ class TargetDistance::Approach {
     }
 
   private:
+    /// The last of `count` places along an axis that the target is at or beyond; the first if there is none.
+    /// `from`: where its walk begins, from the first of them.
+    template <class Integer>
+    std::int64_t place_below(Integer from, Integer by, std::int64_t moved,
+                             std::int64_t count) const noexcept {
+        const Integer steps = walk_.steps, way = by * moved;
+        const Integer at = from + way / steps - (way % steps < 0 ? 1 : 0);
+        const Integer index = at < 0 ? Integer{0} : at / places_.spacing;
+        return static_cast<std::int64_t>(std::min<Integer>(index, count - 1));
+    }
+
     /// In parts of walk_.steps of a texel.
     template <class Integer>
     bool box_near(std::int64_t moved) const noexcept {
