@@ -11,7 +11,7 @@ namespace tessera {
 namespace {
 
 constexpr int words = 12;  ///< Of a sprite in the list
-constexpr int first_layers = 8;
+constexpr int first_layers = 8, most_spare_layers = 32;
 
 /// The nearest half float of a value from 0 to 1.
 std::uint16_t half_of(float value) {
@@ -129,10 +129,11 @@ bool HeldSprites::prepare(std::span<const HeldSprite> sprites, const PlaneView& 
     std::ranges::sort(used);
     used.erase(std::unique(used.begin(), used.end()), used.end());
     const auto missing = std::ranges::count_if(used, [&](auto one) { return levels_.at(one).layer < 0; });
-    if (used_layers_ + missing > layers_) {  // those of now alone, with room for some more
+    if (used_layers_ + missing > layers_) {  // those of now alone, with room for more, as animations need
         GLint most = 0;
         glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &most);
-        make_layers(std::min(most, std::max(first_layers, 2 * static_cast<int>(used.size()))));
+        const int roomier = std::clamp(2 * layers_, first_layers, most_spare_layers);
+        make_layers(std::min(most, std::max(roomier, 2 * static_cast<int>(used.size()))));
     }
     const double to_image = image_side_ / side_texels_;
     for (const HeldSprite& sprite : sprites) {

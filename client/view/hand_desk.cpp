@@ -8,6 +8,7 @@
 
 #include "client/link/page_url.h"
 #include "shared/wire/json.h"
+#include "shared/wire/sprite_message.h"
 
 namespace tessera {
 namespace {
@@ -76,8 +77,8 @@ HandDesk::HandDesk(BackgroundStreamClient& stream, ServerAddress server, const S
       edits_{[this](proto::Edit edit) { return stream_.edit(std::move(edit)); }, std::move(name)},
       hand_{scene.extent, edits_},
       targets_{edits_} {
-    hand_.set_covers([this](std::int32_t pattern, double u, double v) {
-        const Rgba8Image* image = picture(pattern);
+    hand_.set_covers([this](const HandSprite& sprite, double u, double v) {
+        const Rgba8Image* image = picture(shown_pattern(sprite, view_.step, hand_.animations()));
         if (!image) return true;
         const auto at = [&](double share) {
             return std::clamp(static_cast<std::int32_t>(share * image->width), 0, image->width - 1);
@@ -112,6 +113,22 @@ void HandDesk::want_picture(std::int32_t pattern) {
         asked_pictures_[pattern] = true;
 }
 
+void HandDesk::want_pictures() {
+    for (const HeldSprite& held : hand_.held()) want_picture(held.pattern);
+    for (const auto& [session, person] : people_)
+        if (person.held) {
+            want_picture(shown_pattern(*person.held, view_.step, hand_.animations()));
+            want_frames(*person.held);
+        }
+    for (const HandSprite& sprite : hand_.selection()) want_frames(sprite);
+}
+
+/// All that it will show while it is in a hand, before it does.
+void HandDesk::want_frames(const HandSprite& sprite) {
+    if (!has_frames(sprite, hand_.animations())) return;
+    for (const std::int32_t pattern : hand_.animations()[*sprite.animation]->patterns) want_picture(pattern);
+}
+
 void HandDesk::set_density(const Density& density) {
     proto::Change change;
     change.mutable_change_animation()->set_block(density.block);
@@ -141,9 +158,7 @@ void HandDesk::advance(const HandView& view) {
     hand_.look(view);
     say(hand_.take_message(), view.now);
     if (is_open && !takes_edits()) is_open = false;
-    for (const HeldSprite& held : hand_.held()) want_picture(held.pattern);
-    for (const auto& [session, person] : people_)
-        if (person.held) want_picture(person.held->pattern);
+    want_pictures();
     targets_.advance();
     for (MapBrush& brush : brushes_) brush.advance();
     ask();
@@ -161,6 +176,7 @@ void HandDesk::hear_hello() {
     hello_ = std::move(hello);
     if (is_another) {
         pictures_.clear();
+        hand_.set_animations({});
         hand_.begin(hello_->patterns_size(), static_cast<std::int32_t>(hello_->pattern_side_texels()));
         edits_.forget_history();
         others_.clear();
@@ -260,6 +276,16 @@ void HandDesk::ask() {
     }
 }
 
+void HandDesk::set_animations(const proto::SceneEditables& editables) {
+    SpriteAnimations animations;
+    for (const proto::SpriteAnimation& told : editables.sprite_animations()) {
+        auto frames = sprite_frames_of(told, pattern_count());
+        if (!frames) return hand_.set_animations({});  // of another history of the scene: told again
+        animations.push_back(std::move(*frames));
+    }
+    hand_.set_animations(std::move(animations));
+}
+
 void HandDesk::take_gets() {
     for (const BackgroundGets::Got& got : gets_.take(2)) {
         const bool is_good = got.reply && got.reply->status == 200;
@@ -279,6 +305,7 @@ void HandDesk::take_gets() {
                 asks_editables_ = !(got.reply && got.reply->status == 404);
                 continue;
             }
+            set_animations(editables);
             targets_.set(editables.targets());
             densities_.clear();
             for (const auto& animation : editables.animations())
@@ -332,7 +359,7 @@ void HandDesk::be_present(ClientTime now) {
 void HandDesk::fill(ViewFrame& frame) const {
     frame.holds = hand_.carries().holds();
     for (PageHold& hold : others_.holds()) frame.holds.push_back(std::move(hold));
-    if (!others_.empty()) frame.held = others_.held(view_.step, hand_.book().in_order());
+    if (!others_.empty()) frame.held = others_.held(view_.step, hand_.animations(), hand_.book().in_order());
     for (const HeldSprite& sprite : hand_.held())
         if (is_open || sprite.hold != 0) frame.held.push_back(sprite);
 }

@@ -107,6 +107,9 @@ class HandDesk {
     void take_gets();
     void ask();
     void be_present(ClientTime now);
+    void set_animations(const proto::SceneEditables& editables);
+    void want_pictures();
+    void want_frames(const HandSprite& sprite);
     void say(std::string message, ClientTime now);
 
     BackgroundStreamClient& stream_;

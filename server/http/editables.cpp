@@ -5,6 +5,7 @@
 #include "proto/editables.pb.h"
 
 #include "server/blocks/editable_map.h"
+#include "server/sprites/sprite_images.h"
 #include "shared/wire/json.h"
 
 namespace tessera {
@@ -40,6 +41,16 @@ void write_animation(const proto::Block& block, proto::SceneEditables& to) {
     animation.set_density(density);
 }
 
+void write_frames(const SpriteFrames& frames, proto::SpriteAnimation& to) {
+    for (std::int32_t i = 0; i < frames.line.frames(); ++i) {
+        proto::SpriteAnimation::Frame& frame = *to.add_frames();
+        frame.set_pattern(static_cast<std::uint32_t>(frames.patterns[static_cast<std::size_t>(i)]));
+        const std::int64_t steps =
+            frames.line.end_of(i) - frames.line.begin_of(i) + (i == 0 ? frames.line.lead() : 0);
+        if (steps != 1) frame.set_steps(static_cast<std::uint32_t>(steps));
+    }
+}
+
 }  // namespace
 
 std::string describe_editables(const Scene& scene) {
@@ -52,6 +63,9 @@ std::string describe_editables(const Scene& scene) {
             if (block.has_animation_map()) write_animation(block, editables);
         *editables.mutable_targets() = scene.message->targets();
     }
+    if (scene.sprite_images)
+        for (const auto& frames : scene.sprite_images->animations())
+            write_frames(*frames, *editables.add_sprite_animations());
     return write_brief_json(editables);
 }
 

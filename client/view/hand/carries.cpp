@@ -18,9 +18,9 @@ struct Shown {
     Carries::Id carry;  ///< 0: the pages show it.
 };
 
-/// What lies over what is shown, and what lies over that. Frames of animations are not known here.
+/// What lies over what is shown, and what lies over that, but for those whose frames are not known.
 void add_above(std::vector<Shown>& shown, const std::set<SpriteId>& known, Step step,
-               std::span<const HandSprite* const> others) {
+               const SpriteAnimations& animations, std::span<const HandSprite* const> others) {
     std::vector<TexelBox> boxes;
     TexelBox around;
     for (const Shown& one : shown) {
@@ -33,7 +33,8 @@ void add_above(std::vector<Shown>& shown, const std::set<SpriteId>& known, Step 
     for (const HandSprite* other : others) {
         for (; next < shown.size() && drawn_before(*shown[next].sprite, *other); ++next)
             all.push_back(shown[next]);
-        if (all.empty() || above == Carries::most_above || other->animation || known.contains(other->id) ||
+        const bool is_unknown = other->animation && !has_frames(*other, animations);
+        if (all.empty() || above == Carries::most_above || is_unknown || known.contains(other->id) ||
             !there_at(*other, step))
             continue;
         const TexelBox box = box_around(std::span{other, 1}, step);
@@ -56,9 +57,9 @@ void add_above(std::vector<Shown>& shown, const std::set<SpriteId>& known, Step 
 
 }  // namespace
 
-HeldSprite held_sprite(const HandSprite& sprite, Step step) {
+HeldSprite held_sprite(const HandSprite& sprite, Step step, const SpriteAnimations& animations) {
     const SpritePosition at = position_at(sprite, step);
-    return {.pattern = sprite.pattern,
+    return {.pattern = shown_pattern(sprite, step, animations),
             .middle = plane_point({at.x, at.y}),
             .scale = sprite.scale / double{sprite_scale_one},
             .turns = sprite.turn / 65536.0,
@@ -136,7 +137,8 @@ bool Carries::is_gone(SpriteId id) const {
     return false;
 }
 
-std::vector<HeldSprite> Carries::held(Step step, std::span<const HandSprite* const> others) const {
+std::vector<HeldSprite> Carries::held(Step step, const SpriteAnimations& animations,
+                                      std::span<const HandSprite* const> others) const {
     std::vector<Shown> shown;
     std::set<SpriteId> known;
     for (auto one = all_.rbegin(); one != all_.rend(); ++one) {
@@ -146,10 +148,11 @@ std::vector<HeldSprite> Carries::held(Step step, std::span<const HandSprite* con
     }
     std::ranges::sort(shown,
                       [](const Shown& a, const Shown& b) { return drawn_before(*a.sprite, *b.sprite); });
-    if (!shown.empty()) add_above(shown, known, step, others);
+    if (!shown.empty()) add_above(shown, known, step, animations, others);
     std::vector<HeldSprite> held;
     held.reserve(shown.size());
-    for (const Shown& one : shown) held.emplace_back(held_sprite(*one.sprite, step)).hold = one.carry;
+    for (const Shown& one : shown)
+        held.emplace_back(held_sprite(*one.sprite, step, animations)).hold = one.carry;
     return held;
 }
 

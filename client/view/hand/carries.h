@@ -49,7 +49,8 @@ class Carries {
     /// In the order of drawing, and with them those of `others`, which the pages show, that lie over them:
     /// at most `most_above`. Where these are translucent they are a little denser meanwhile. `others`: in the
     /// order of drawing.
-    std::vector<HeldSprite> held(Step step, std::span<const HandSprite* const> others = {}) const;
+    std::vector<HeldSprite> held(Step step, const SpriteAnimations& animations = {},
+                                 std::span<const HandSprite* const> others = {}) const;
     static constexpr std::size_t most_above = 256;
     std::vector<PageHold> holds() const;
 
@@ -70,6 +71,6 @@ class Carries {
 };
 
 /// As the shader draws it, where it is at a step.
-HeldSprite held_sprite(const HandSprite& sprite, Step step);
+HeldSprite held_sprite(const HandSprite& sprite, Step step, const SpriteAnimations& animations);
 
 }  // namespace tessera

@@ -120,8 +120,9 @@ std::optional<HandSprite> Hand::dragged() const {
 
 std::vector<HeldSprite> Hand::held() const {
     std::vector<HeldSprite> held;
-    if (!carries_.empty()) held = carries_.held(view_.step, book_.in_order());
-    if (const auto next = ghost()) held.emplace_back(held_sprite(*next, view_.step)).opacity = 0.7F;
+    if (!carries_.empty()) held = carries_.held(view_.step, animations_, book_.in_order());
+    if (const auto next = ghost())
+        held.emplace_back(held_sprite(*next, view_.step, animations_)).opacity = 0.7F;
     return held;
 }
 

@@ -30,6 +30,8 @@ class Hand {
     /// The scene's patterns; another history of it forgets all that was known.
     void begin(std::int32_t patterns, std::int32_t side_texels);
     void look(const HandView& view);
+    void set_animations(SpriteAnimations animations) { animations_ = std::move(animations); }
+    const SpriteAnimations& animations() const { return animations_; }
     void set_covers(SpriteBook::Covers covers) { covers_ = std::move(covers); }
 
     /// The pattern that a click places; nothing: clicks take hold of sprites.
@@ -121,6 +123,7 @@ class Hand {
     Carries carries_;
     SpriteBook::Covers covers_;
     HandView view_;
+    SpriteAnimations animations_;
     std::int32_t side_texels_ = 1;
     std::optional<std::int32_t> placing_;
     std::optional<HandPoint> at_, frame_to_;

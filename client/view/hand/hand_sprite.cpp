@@ -71,6 +71,20 @@ SpriteId new_sprite_id() {
     return id == 0 ? 1 : id;
 }
 
+bool has_frames(const HandSprite& sprite, const SpriteAnimations& animations) {
+    return sprite.animation && *sprite.animation < animations.size();
+}
+
+std::int32_t shown_pattern(const HandSprite& sprite, Step step, const SpriteAnimations& animations) {
+    if (!has_frames(sprite, animations)) return sprite.pattern;
+    SpriteLife life;
+    life.frames = animations[*sprite.animation];
+    life.phase = sprite.phase;
+    Sprite shown;
+    shown.life = std::make_shared<const SpriteLife>(std::move(life));
+    return pattern_at(shown, step);
+}
+
 HandSprite resting_at(const HandSprite& sprite, Step step) {
     HandSprite resting = sprite;
     const SpritePosition at = position_at(sprite, step);

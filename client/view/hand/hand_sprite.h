@@ -28,8 +28,10 @@ struct HandPoint {
 HandPoint hand_point(const PlanePoint& at);
 PlanePoint plane_point(const HandPoint& at);
 
-/// A sprite as a hand holds it, with what it does not change. Its frames are not known here, so that it shows
-/// its pattern.
+/// A scene's animations by index.
+using SpriteAnimations = std::vector<std::shared_ptr<const SpriteFrames>>;
+
+/// A sprite as a hand holds it, with what it does not change. Its frames come by themselves (shown_pattern).
 struct HandSprite : Sprite {
     std::optional<std::uint32_t> animation;
     std::int64_t phase = 0;
@@ -43,6 +45,10 @@ bool alike(const HandSprite& a, const HandSprite& b);
 
 /// An id that nobody else draws.
 SpriteId new_sprite_id();
+
+/// What it shows at a step, as the pages do (pattern_at()); its own pattern while its animation is not known.
+std::int32_t shown_pattern(const HandSprite& sprite, Step step, const SpriteAnimations& animations);
+bool has_frames(const HandSprite& sprite, const SpriteAnimations& animations);
 
 /// As one of the same kind that rests where it is at a step.
 HandSprite resting_at(const HandSprite& sprite, Step step);

@@ -29,8 +29,9 @@ class OthersHands {
     void clear();
 
     /// `others`: see Carries::held().
-    std::vector<HeldSprite> held(Step step, std::span<const HandSprite* const> others = {}) const {
-        return carries_.held(step, others);
+    std::vector<HeldSprite> held(Step step, const SpriteAnimations& animations = {},
+                                 std::span<const HandSprite* const> others = {}) const {
+        return carries_.held(step, animations, others);
     }
     bool empty() const { return carries_.empty(); }
     std::vector<PageHold> holds() const { return carries_.holds(); }

@@ -122,7 +122,7 @@ const HandSprite* SpriteBook::at(const HandPoint& place, double least_half, Step
         const double angle = 2 * std::numbers::pi * sprite.turn / 65536.0;
         const double u = (dx * std::cos(angle) + dy * std::sin(angle)) / whole + 0.5,
                      v = (dy * std::cos(angle) - dx * std::sin(angle)) / whole + 0.5;
-        if (u >= 0 && v >= 0 && u < 1 && v < 1 && (!covers || covers(sprite.pattern, u, v))) best = &sprite;
+        if (u >= 0 && v >= 0 && u < 1 && v < 1 && (!covers || covers(sprite, u, v))) best = &sprite;
     }
     return best;
 }

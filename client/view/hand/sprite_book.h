@@ -43,7 +43,7 @@ class SpriteBook {
     bool is_partial() const { return partial_; }
 
     /// Whether a pattern has colour at a place, each 0 to 1 from the top left.
-    using Covers = std::function<bool(std::int32_t pattern, double u, double v)>;
+    using Covers = std::function<bool(const HandSprite& sprite, double u, double v)>;
     /// The uppermost sprite at a place; tiny ones can be taken hold of in a square of 2·`least_half` texels.
     const HandSprite* at(const HandPoint& place, double least_half, Step step, const Covers& covers) const;
     /// Those whose middle lies in a box.

@@ -23,28 +23,33 @@ constexpr int side = 320;
 constexpr std::int32_t pattern_side = 32;
 constexpr std::int64_t middle = 4096;
 
-/// A scene whose one pattern is a leaf with a soft edge, over one colour.
+/// A scene whose first pattern is a leaf with a soft edge, over one colour; three more, in other colours, are
+/// the frames of its animation, each for three steps.
 struct LeafScene : test::LiveScene {
     LeafScene() {
         std::vector<std::uint8_t> texels;
-        for (int y = 0; y < pattern_side; ++y)
+        for (int y = 0; y < 4 * pattern_side; ++y)
             for (int x = 0; x < pattern_side; ++x) {
-                const double u = (x + 0.5) / pattern_side * 2 - 1, v = (y + 0.5) / pattern_side * 2 - 1;
+                const int frame = y / pattern_side;
+                const double u = (x + 0.5) / pattern_side * 2 - 1,
+                             v = (y % pattern_side + 0.5) / pattern_side * 2 - 1;
                 const double inside = 1 - std::hypot(u * 1.5, v);
-                texels.push_back(static_cast<std::uint8_t>(120 + 100 * u));
-                texels.push_back(static_cast<std::uint8_t>(140 + 80 * v));
+                texels.push_back(static_cast<std::uint8_t>(frame == 2 ? 20 : 120 + 100 * u));
+                texels.push_back(static_cast<std::uint8_t>(frame == 3 ? 20 : 140 + 80 * v));
                 texels.push_back(static_cast<std::uint8_t>(std::abs(u) < 0.1 ? 220 : 60));
                 texels.push_back(static_cast<std::uint8_t>(255 * std::clamp(inside * 4, 0.0, 1.0)));
             }
         png_image image{};
         image.version = PNG_IMAGE_VERSION;
-        image.width = image.height = pattern_side;
+        image.width = pattern_side;
+        image.height = 4 * pattern_side;
         image.format = PNG_FORMAT_RGBA;
         const std::filesystem::path folder = file("sprites");
         png_image_write_to_file(&image, (folder / "patterns.png").c_str(), 0, texels.data(), 0, nullptr);
         std::ofstream{folder / "scene.json"}
             << R"({"constant": {"color": {"red": 90, "green": 110, "blue": 140}}, "extent_log2_pages": 6,
-                   "sprites": {"patterns": {"image": "patterns.png", "side_texels": 32}}})";
+                   "sprites": {"patterns": {"image": "patterns.png", "side_texels": 32}, "animations": [{"frames":
+                       [{"pattern": 1, "steps": 3}, {"pattern": 2, "steps": 3}, {"pattern": 3, "steps": 3}]}]}})";
     }
 };
 
@@ -87,9 +92,11 @@ class HandOverServer : public ::testing::Test {
     /// The next frame's picture.
     const Rgba8Image& frame() {
         now += ClientTime{16};
-        ViewFrame shown{.camera = camera, .width = side, .height = side, .time = now, .filter = filter};
+        ViewFrame shown{
+            .camera = camera, .width = side, .height = side, .time = {now, step}, .filter = filter};
         const PlaneView view = shown.view();
         desk->advance({.now = now,
+                       .step = step,
                        .texels_per_pixel = HandPicture{view}.texels_per_pixel(side / 2, side / 2),
                        .view = {middle - 1000, middle - 1000, middle + 1000, middle + 1000}});
         desk->fill(shown);
@@ -173,6 +180,7 @@ class HandOverServer : public ::testing::Test {
     ResidencyFrame outcome;
     Rgba8Image picture;
     ClientTime now{};
+    Step step = 0;
 };
 
 TEST_F(HandOverServer, WhatIsHeldLooksAsThePagesWillAtEveryLevelScaleAndTurn) {
@@ -259,6 +267,56 @@ TEST_F(HandOverServer, ADragShowsTheSpriteOnceInEveryFrameAndUndoBringsThePictur
     desk->redo();
     ASSERT_TRUE(until([&] { return is_quiet(); }));
     EXPECT_LE(difference(dragged, picture, new_x, side / 2, reach).most, 8);
+}
+
+TEST_F(HandOverServer, AnAnimatedSpriteInTheHandShowsTheFrameOfTheStepAndIsPutDownWithIt) {
+    look_down(1);
+    begin();
+    proto::Change placed;
+    auto& sprite = *placed.mutable_place_sprite();
+    sprite.set_id(77);
+    sprite.set_x(middle + 0.5);
+    sprite.set_y(middle);
+    sprite.set_scale(2.5);
+    sprite.set_turn(0.1);
+    sprite.set_animation(0);
+    sprite.set_phase(1);
+    desk->edits().make({placed});
+    ASSERT_TRUE(until([&] { return is_quiet() && desk->hand().book().size() == 1; }));
+
+    Hand& hand = desk->hand();
+    double x = 0;
+    std::vector<Rgba8Image> by_frame;
+    for (const Step at_step : {Step{0}, Step{2}, Step{5}, Step{-1}}) {  // frames 0, 1, 2, 0 with its phase
+        step = at_step;
+        ASSERT_TRUE(until([&] { return is_quiet(); }));
+        ASSERT_TRUE(hand.press(at(x, 0), false)) << "what it covers is what it shows";
+        hand.drag(at(x + 20, 0), true, false);
+        ASSERT_TRUE(
+            until([&] { return is_lifted() && desk->picture(1) && desk->picture(2) && desk->picture(3); }));
+        const Rgba8Image held = frame();
+        // Time goes on in the hand; then back
+        by_frame.clear();
+        for (const Step later : {0, 3, 6, 9}) {
+            step = at_step + later;
+            ASSERT_TRUE(until([&] { return is_lifted(); }));
+            by_frame.push_back(frame());
+        }
+        EXPECT_GT(difference(by_frame[0], by_frame[1]).most, 20);
+        EXPECT_GT(difference(by_frame[1], by_frame[2]).most, 20);
+        EXPECT_GT(difference(by_frame[2], by_frame[0]).most, 20);
+        EXPECT_EQ(difference(by_frame[0], by_frame[3]).most, 0) << "it begins again";
+        step = at_step;
+        ASSERT_TRUE(until([&] { return is_lifted(); }));
+        EXPECT_EQ(difference(held, frame()).most, 0);
+        hand.release(at(x + 20, 0), true);
+        const Difference worst = worst_until_quiet(held);
+        std::cout << "step " << step << ": at most " << worst.most << " codes, " << worst.mean
+                  << " on average\n";
+        EXPECT_LE(worst.most, 4);
+        EXPECT_LE(worst.mean, 0.2);
+        x += 20;
+    }
 }
 
 TEST_F(HandOverServer, WhatTheServerRefusesGoesBackAndIsSaid) {

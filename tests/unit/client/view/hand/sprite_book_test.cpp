@@ -73,7 +73,7 @@ TEST(SpriteBook, TakesHoldOfTheUppermostThatHasColourThere) {
     ASSERT_NE(book.at(place, 0.1, 0, {}), nullptr);
     EXPECT_EQ(book.at(place, 0.1, 0, {})->id, 2u);
     // The upper one is transparent on its left half
-    const auto covers = [](std::int32_t, double u, double) { return u > 0.5; };
+    const auto covers = [](const HandSprite&, double u, double) { return u > 0.5; };
     EXPECT_EQ(book.at(place, 0.1, 0, covers)->id, 1u);
     EXPECT_EQ(book.at({80 * sprite_units, 50 * sprite_units}, 0.1, 0, {}), nullptr);
     EXPECT_NE(book.at({66 * sprite_units, 50 * sprite_units}, 14, 0, {}), nullptr) << "tiny on screen";
