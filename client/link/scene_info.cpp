@@ -46,6 +46,7 @@ Result<SceneInfo> parse_scene_info(std::string_view json, std::string_view where
     info.channels.assign(texture.channels().begin(), texture.channels().end());
     if (info.channels.empty()) info.channels.emplace_back(name_of(ChannelSet::albedo));
     info.texture = texture.texture();
+    info.animated = texture.animated();
     if (const proto::OpeningView& view = texture.view(); texture.has_view())
         info.view = {std::clamp<std::int64_t>(view.x(), 0, info.extent.side_texels() - 1),
                      std::clamp<std::int64_t>(view.y(), 0, info.extent.side_texels() - 1),
@@ -63,6 +64,11 @@ Result<void> check_channels(const SceneInfo& scene, ChannelSet channels) {
     }
     return Error{ErrorCode::invalid_input, "--channels: scene " + scene.id + " has no \"" +
                                                std::string{name_of(channels)} + "\"; it has " + there_are};
+}
+
+Result<void> check_step(const SceneInfo& scene, Step step) {
+    if (step == 0 || scene.animated) return {};
+    return Error{ErrorCode::invalid_input, "--step: nothing moves in scene " + scene.id + "; leave it out"};
 }
 
 namespace {

@@ -11,6 +11,7 @@
 #include <boost/asio/awaitable.hpp>
 
 #include "client/link/server_address.h"
+#include "shared/motion/validity.h"
 #include "shared/page/channel_set.h"
 #include "shared/page/opening_view.h"
 #include "shared/page/page_key.h"
@@ -32,8 +33,9 @@ struct SceneInfo {
     std::string fingerprint;           ///< Changes with scene, assets and the evaluator's version.
     std::vector<std::string> formats;  ///< Endings of pages, as in "png".
     std::vector<std::string>
-        channels;         ///< Channel sets, as in "albedo"; a server that names none has that one.
-    std::string texture;  ///< The kind of texture, as in "checker".
+        channels;           ///< Channel sets, as in "albedo"; a server that names none has that one.
+    std::string texture;    ///< The kind of texture, as in "checker".
+    bool animated = false;  ///< Whether pages depend on the step.
 };
 
 /// Reads a scene's TileJSON; `where` names its source in errors. Fields that we do not know are skipped; a
@@ -42,6 +44,9 @@ Result<SceneInfo> parse_scene_info(std::string_view json, std::string_view where
 
 /// Whether the scene has the channel set. Error: invalid_input, with those it has.
 Result<void> check_channels(const SceneInfo& scene, ChannelSet channels);
+
+/// Whether a step can be asked for; 0 always can. Error: invalid_input.
+Result<void> check_step(const SceneInfo& scene, Step step);
 
 /// Asks the server for a scene. An unknown scene is `no_such_scene`, and the detail lists the scenes there
 /// are.

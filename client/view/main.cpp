@@ -157,6 +157,7 @@ Result<void> run(const Options& options) {
     if (!info) return info.error();
     if (const auto checked = check_scene(*info); !checked) return checked.error();
     if (const auto there = check_channels(*info, options.channels); !there) return there.error();
+    if (const auto there = check_step(*info, options.step.value_or(0)); !there) return there.error();
     const auto path = camera_path(options, *info);
     if (!path) return path.error();
     const auto surface = surface_of(options, path->at(path->begin_seconds()));

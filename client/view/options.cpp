@@ -204,6 +204,8 @@ bool read_options(int argc, const char* const* argv, Options& options, int& exit
             throw CLI::ValidationError{"--terrain is for --view terrain"};
         if (options.headless && options.output.empty() && options.replay.empty())
             throw CLI::ValidationError{"--headless needs -o FOLDER, where the frames go"};
+        if (options.step && !options.headless)
+            throw CLI::ValidationError{"--step is for --headless; in the window the scene's clock goes on"};
     } catch (const CLI::ParseError& error) {
         exit_code = app.exit(error) == 0 ? 0 : 2;
         return false;

@@ -29,6 +29,10 @@ TEST(ViewErrors, AnUnknownSceneIsAnsweredWithThoseThereAre) {
     EXPECT_EQ(window.exit_code, 1) << "no display here";
     EXPECT_THAT(window.error, HasSubstr("--headless"));
 
+    const auto stepped = run_view({server.url(), "board", "--headless", "-o", "nowhere", "--step", "7"});
+    EXPECT_EQ(stepped.exit_code, 1);
+    EXPECT_THAT(stepped.error, HasSubstr("--step: nothing moves in scene board"));
+
     const auto path = server.folder() / "path.json";
     std::ofstream{path} << R"({"keys": [{"x": "99999999999", "height": 3}]})";
     const auto outside =
@@ -55,6 +59,7 @@ TEST(ViewErrors, AWrongCommandLineSaysWhatIsWrong) {
     EXPECT_THAT(wrong({nobody, "board", "--size", "800"}), HasSubstr("WIDTHxHEIGHT"));
     EXPECT_THAT(wrong({nobody, "board", "--size", "9x9"}), HasSubstr("16 to 8192"));
     EXPECT_THAT(wrong({nobody, "board", "--frames", "0"}), HasSubstr("--frames"));
+    EXPECT_THAT(wrong({nobody, "board", "--step", "7"}), HasSubstr("--step is for --headless"));
     EXPECT_THAT(wrong({nobody, "board", "--cache-pages", "3"}), HasSubstr("--cache-pages"));
     for (const char* number : {"--relief", "--split-at", "--panel-scale", "--record-limit"})
         EXPECT_THAT(wrong({nobody, "board", number, "nan"}), HasSubstr(number));

@@ -40,6 +40,17 @@ TEST(SceneInfo, NamesTheChannelSets) {
     EXPECT_THAT(check_channels(*info, ChannelSet::height).error().detail, HasSubstr("it has albedo, normal"));
 }
 
+TEST(SceneInfo, SaysWhetherAnythingMovesSoThatAStepCanBeAskedFor) {
+    const auto info_of = [](const std::string& more) {
+        return parse_scene_info(R"({"tessera": {"id": "a", "page_side": 256)" + more + "}}", "here").value();
+    };
+    const SceneInfo still = info_of(""), moving = info_of(R"(, "animated": true)");
+    EXPECT_TRUE(check_step(moving, 7));
+    EXPECT_TRUE(check_step(moving, -7));
+    EXPECT_TRUE(check_step(still, 0));
+    EXPECT_THAT(check_step(still, 7).error().detail, HasSubstr("--step: nothing moves in scene a"));
+}
+
 TEST(SceneInfo, HasTheOpeningViewThatAServerTells) {
     const auto view_of = [](const std::string& view) {
         return parse_scene_info(
