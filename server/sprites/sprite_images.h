@@ -15,7 +15,8 @@
 
 namespace tessera {
 
-/// A sprite ready to be drawn: its turned, scaled pattern, and the texel of level 0 of its top-left texel.
+/// A sprite ready to be drawn: its turned, scaled pattern as far as it shows anything, and the texel of level
+/// 0 of its top-left texel.
 struct SpriteImage {
     std::shared_ptr<const SummedArea> image;
     std::int64_t left = 0, top = 0;
@@ -39,7 +40,9 @@ class SpriteImages {
     /// other, again and again.
     SpriteImage of(const Sprite& sprite, std::int64_t slice, std::int64_t step) const;
 
-    std::size_t memory_bytes() const noexcept { return steps_.size() * sizeof(std::uint16_t) + cache_bytes_; }
+    std::size_t memory_bytes() const noexcept {
+        return steps_.size() * sizeof(std::uint16_t) + seen_.size() * sizeof(Seen) + cache_bytes_;
+    }
 
   private:
     /// All that an image depends on.
@@ -55,14 +58,20 @@ class SpriteImages {
     };
     struct Kept {
         Key key;
-        std::shared_ptr<const SummedArea> image;
+        SpriteImage image;  ///< From the corner of the sprite's square.
     };
 
-    std::shared_ptr<const SummedArea> render(const Key& key, std::int32_t width) const;
+    /// Of an image's texels those that are not transparent: [x0, x1) × [y0, y1), which may be empty.
+    struct Seen {
+        std::int32_t x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+    };
+    Seen seen_of(std::size_t image) const;
+    SpriteImage render(const Key& key, std::int32_t width) const;
 
     std::int32_t side_, count_, slices_;
     std::vector<std::shared_ptr<const SpriteFrames>> animations_;
     std::vector<std::uint16_t> steps_;  ///< Of the patterns, premultiplied.
+    std::vector<Seen> seen_;            ///< The same.
     std::size_t cache_bytes_;
 
     mutable std::mutex mutex_;      ///< Guards what follows; not held while rendering.
