@@ -89,7 +89,7 @@ class LayerCells {
             const auto [found, is_new] = known.try_emplace(stack, out.count);
             if (is_new) {
                 stacks.push_back(&found->first);
-                if (++out.count > builder_.most_patterns())
+                if (++out.count > builder_.most_patterns(builder_.painter.side()))
                     return builder_.too_many_patterns("layer \"" + layer_.name + "\"");
             }
             out.patterns[std::size_t(cell.y - out.top) * std::size_t(width) +

@@ -30,7 +30,7 @@ class TilesetBlocks {
             add_animation(tile, animation, step_milliseconds);
         if (!set_.animations.empty())
             leave_out(std::to_string(set_.animations.size()) +
-                      " animated tiles stand at their first frame: scenes have no clock; a step of their "
+                      " animated tiles stand at their first frame where layers show them; a step of their "
                       "sequences is " +
                       std::to_string(step_milliseconds) + " ms");
         for (const WangSet& wang : set_.wang_sets) add_terrains(wang);
@@ -49,7 +49,7 @@ class TilesetBlocks {
     bool has_room() const { return builder_.scene().scene.pattern().blocks_size() < 3900; }
 
     Result<void> paint() {
-        if (std::ssize(set_.tiles) > builder_.most_patterns())
+        if (std::ssize(set_.tiles) > builder_.most_patterns(builder_.painter.side()))
             return builder_.too_many_patterns("tileset \"" + set_.name + "\"");
         std::vector<std::uint8_t> codes;
         for (const auto& [tile, image] : set_.tiles) {

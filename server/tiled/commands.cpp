@@ -37,10 +37,12 @@ void add_import_command(CLI::App& app, int& exit_code) {
     const auto arguments = std::make_shared<Arguments>();
     CLI::App& command = *app.add_subcommand("import", "Makes a scene of a map of the Tiled editor (.tmx)");
     command.footer(
-        "Layers of tiles become reference textures over explicit indirection maps, one over the other; tile\n"
-        "probabilities, complete terrains and animations become blocks to go on with. What a scene cannot "
-        "hold\n"
-        "is listed, and written to import.txt beside the scene file.");
+        "Layers of tiles become reference textures over explicit indirection maps, one over the other; tiles "
+        "at\n"
+        "free places become sprites over them; tile probabilities, complete terrains and animations become\n"
+        "blocks to go on with. What a scene cannot hold is listed, and written to import.txt beside the "
+        "scene "
+        "file.");
     command.add_option("MAP", arguments->map, "An orthogonal map, finite or infinite")->required();
     command.add_option("-o,--output", arguments->output, "Folder of the scene; a scene there is replaced")
         ->required();

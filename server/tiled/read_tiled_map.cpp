@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "server/tiled/layer_data.h"
+#include "server/tiled/read_objects.h"
 #include "server/tiled/read_tileset.h"
 #include "server/tiled/tiled_map.h"
 #include "server/tiled/xml_file.h"
@@ -50,9 +51,9 @@ class MapReader {
         std::ranges::sort(map_.tilesets, {}, &Tileset::first);
         if (auto read = read_layers(root, {}); !read) return read.error();
         if (numbers_.error()) return *numbers_.error();
-        if (map_.layers.empty())
+        if (map_.layers.empty() && map_.objects.empty())
             return numbers_.wrong(root,
-                                  "has no visible layer of tiles, of which textures are made" +
+                                  "has no visible layer of tiles or sprites, of which textures are made" +
                                       (map_.left_out.empty() ? "" : "; it has " + map_.left_out.front()));
         return std::move(map_);
     }
@@ -97,15 +98,17 @@ class MapReader {
         for (const pugi::xml_node& node : parent.children()) {
             const std::string_view kind = node.name();
             const std::string name = node.attribute("name").value();
-            if (kind == "objectgroup") {
-                leave_out_objects(node, name);
-            } else if (kind == "imagelayer") {
+            if (kind == "imagelayer") {
                 leave_out("image layer \"" + name + "\": an image at one place; keep it as a layer of tiles");
-            } else if (kind == "layer" || kind == "group") {
+            } else if (kind == "layer" || kind == "group" || kind == "objectgroup") {
                 const Inherited own = inherited(node, from);
                 if (!own.visible) {
-                    leave_out((kind == "group" ? "group \"" : "layer \"") + name +
-                              "\": is hidden in the editor");
+                    leave_out((kind == "group"   ? "group \""
+                               : kind == "layer" ? "layer \""
+                                                 : "object layer \"") +
+                              name + "\": is hidden in the editor");
+                } else if (kind == "objectgroup") {
+                    take_objects(node, own);
                 } else if (kind == "group") {
                     if (own.depth > max_group_depth) return numbers_.wrong(node, "is nested too deep");
                     if (auto read = read_layers(node, own); !read) return read;
@@ -138,18 +141,15 @@ class MapReader {
         return from;
     }
 
-    /// Sprites at free places are for scenes with explicit positioning.
-    void leave_out_objects(const pugi::xml_node& group, const std::string& name) {
-        std::size_t sprites = 0, others = 0;
-        for (const pugi::xml_node& object : group.children("object"))
-            ++(object.attribute("gid") || object.attribute("template") ? sprites : others);
-        const std::string who = "object layer \"" + name + "\": ";
-        if (sprites > 0)
-            leave_out(who + (sprites == 1 ? "one sprite at a free place"
-                                          : std::to_string(sprites) + " sprites at free places"));
-        if (others > 0)
-            leave_out(who + (others == 1 ? "one shape, point or text"
-                                         : std::to_string(others) + " shapes, points or texts"));
+    void take_objects(const pugi::xml_node& group, const Inherited& own) {
+        ObjectLayer layer = read_objects(group, numbers_, map_.left_out);
+        if (layer.objects.empty()) return;
+        layer.above = map_.layers.size();
+        layer.opacity = own.opacity;
+        layer.tint = own.tint;
+        layer.offset_x = own.offset_x;
+        layer.offset_y = own.offset_y;
+        map_.objects.push_back(std::move(layer));
     }
 
     Result<void> read_layer(const pugi::xml_node& node, const Inherited& own) {

@@ -27,11 +27,20 @@ class TilesetReader {
     TilesetReader(const pugi::xml_node& element, XmlNumbers& numbers, TiledMap& map, Tileset& set)
         : element_{element}, numbers_{numbers}, map_{map}, set_{set} {}
 
+    /// "topleft", "bottom", "center", …; unset or "unspecified" is the bottom left of orthogonal maps.
+    void align(std::string_view name) {
+        if (name.empty() || name == "unspecified") return;
+        const auto holds = [name](std::string_view part) { return name.find(part) != name.npos; };
+        set_.align_x = holds("left") ? 0 : holds("right") ? 1 : 0.5;
+        set_.align_y = holds("top") ? 0 : holds("bottom") ? 1 : 0.5;
+    }
+
     Result<void> read() {
         set_.name = element_.attribute("name").as_string("tiles");
         const pugi::xml_node offset = element_.child("tileoffset");
         set_.offset_x = static_cast<std::int32_t>(numbers_.integer(offset, "x", -4096, 4096, 0));
         set_.offset_y = static_cast<std::int32_t>(numbers_.integer(offset, "y", -4096, 4096, 0));
+        align(element_.attribute("objectalignment").value());
         if (std::string_view{element_.attribute("tilerendersize").as_string("tile")} != "tile")
             leave_out("its tiles are drawn in their own size, and not fitted to the map's grid");
         if (const pugi::xml_node image = element_.child("image"))

@@ -139,4 +139,36 @@ void TilePainter::paint(const std::vector<PlacedTile>& tiles, double opacity,
         append_code(texel, codes);
 }
 
+void TilePainter::paint_alone(TileRef tile, std::int32_t width, std::int32_t height, std::int32_t side,
+                              double opacity, const std::array<double, 4>& tint,
+                              std::vector<std::uint8_t>& codes) const {
+    const TileImage& part = *find(tile);
+    const bool transposed = tile.has(TileRef::transposed);
+    Canvas canvas{transposed ? part.height : part.width, transposed ? part.width : part.height, {}};
+    const bool as_it_is = canvas.width == width && canvas.height == height && opacity == 1 &&
+                          tint == std::array<double, 4>{1, 1, 1, 1};
+    std::vector<std::uint8_t> painted;
+    for (std::int32_t y = 0; y < canvas.height; ++y)
+        for (std::int32_t x = 0; x < canvas.width; ++x) {
+            const std::uint8_t* const code = source_texel(map_.images[part.image], part, tile, x, y);
+            if (as_it_is) {
+                painted.insert(painted.end(), code, code + 4);
+                continue;
+            }
+            Texel& texel = canvas.texels.emplace_back();
+            texel[3] = code[3] / 255.0 * opacity * tint[3];
+            for (std::size_t c = 0; c < 3; ++c)
+                texel[c] = texel[3] * srgb_to_steps[tinted(code[c], tint[c])] / 65535.0;
+        }
+    if (!as_it_is)
+        for (const Texel& texel : resampled(resampled(canvas, width, false), height, true).texels)
+            append_code(texel, painted);
+    const std::size_t begin = codes.size();
+    codes.resize(begin + std::size_t(side) * std::size_t(side) * 4);
+    const std::int32_t left = (side - width) / 2, top = (side - height) / 2;
+    for (std::int32_t y = 0; y < height; ++y)
+        std::copy_n(painted.begin() + std::ptrdiff_t{y} * width * 4, width * 4,
+                    codes.begin() + std::ptrdiff_t(begin) + ((std::ptrdiff_t{top} + y) * side + left) * 4);
+}
+
 }  // namespace tessera

@@ -39,6 +39,12 @@ class TilePainter {
     void paint(const std::vector<PlacedTile>& tiles, double opacity, const std::array<double, 4>& tint,
                std::vector<std::uint8_t>& codes) const;
 
+    /// Appends side² texels to `codes`: one tile brought to width × height texels, each the mean of the area
+    /// that it covers, in the middle (the texel to its left or above where that is none) of nothing. Both are
+    /// 1 to `side`.
+    void paint_alone(TileRef tile, std::int32_t width, std::int32_t height, std::int32_t side, double opacity,
+                     const std::array<double, 4>& tint, std::vector<std::uint8_t>& codes) const;
+
   private:
     const TiledMap& map_;
     std::int32_t side_;

@@ -53,7 +53,10 @@ struct Tileset {
     std::string name;
     std::uint32_t first = 1;  ///< The number of its tile 0 in the map.
     std::map<std::uint32_t, TileImage> tiles;
-    std::int32_t offset_x = 0, offset_y = 0;        ///< Of its tiles where they are drawn, in texels.
+    std::int32_t offset_x = 0, offset_y = 0;  ///< Of its tiles where they are drawn, in texels.
+    double align_x = 0,
+           align_y =
+               1;  ///< Which point of an object's tile is its position: 0 left or top, 1 right or bottom.
     std::map<std::uint32_t, double> probabilities;  ///< Those that are not 1.
     std::map<std::uint32_t, TileAnimation> animations;
     std::vector<WangSet> wang_sets;
@@ -69,6 +72,23 @@ struct TileLayer {
     double offset_x = 0, offset_y = 0;       ///< In texels.
 };
 
+/// A tile at a free place.
+struct TileObject {
+    TileRef tile;
+    double x = 0, y = 0;           ///< In texels: of the point that its tileset aligns, about which it turns.
+    double width = 0, height = 0;  ///< As it is shown, in texels; 0: as the tile is.
+    double turn = 0;               ///< Clockwise, from 0 to 1.
+};
+
+struct ObjectLayer {
+    std::string name;
+    std::vector<TileObject> objects;  ///< In the order in which they are drawn.
+    std::size_t above = 0;            ///< How many layers of tiles are drawn before it.
+    double opacity = 1;
+    std::array<double, 4> tint{1, 1, 1, 1};
+    double offset_x = 0, offset_y = 0;
+};
+
 /// What a map of the Tiled editor says, as far as it can become a texture.
 struct TiledMap {
     std::int32_t tile_width = 0, tile_height = 0;
@@ -77,6 +97,7 @@ struct TiledMap {
     std::vector<StraightRgba8Image> images;
     std::vector<Tileset> tilesets;      ///< By `first`.
     std::vector<TileLayer> layers;      ///< From the ground up, all visible.
+    std::vector<ObjectLayer> objects;   ///< The same; each has some.
     std::vector<std::string> left_out;  ///< What it cannot become: a sentence each.
 };
 

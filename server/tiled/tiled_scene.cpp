@@ -39,6 +39,10 @@ std::uint32_t step_of(const TiledMap& map) {
     return std::max(1u, step);
 }
 
+bool moves(const TiledMap& map) {
+    return std::ranges::any_of(map.tilesets, [](const Tileset& set) { return !set.animations.empty(); });
+}
+
 }  // namespace
 
 proto::Block& SceneBuilder::add_block(const std::string& wish) {
@@ -60,15 +64,16 @@ proto::Block& SceneBuilder::add_block(const std::string& wish) {
     return block;
 }
 
-std::int64_t SceneBuilder::most_patterns() const noexcept {
+std::int64_t SceneBuilder::most_patterns(std::int64_t side) noexcept {
     // A sheet that is nearly square has at most a row more than it needs
-    const std::int64_t side = painter.side(), in_a_row = max_sheet_side / side - 1;
+    const std::int64_t in_a_row = max_sheet_side / side - 1;
     return std::clamp<std::int64_t>(max_sheet_texels / (side * side), 1,
                                     std::min<std::int64_t>(65535, in_a_row * in_a_row));
 }
 
 Error SceneBuilder::too_many_patterns(const std::string& whose) const {
-    return {ErrorCode::invalid_input, whose + " has more than " + std::to_string(most_patterns()) +
+    return {ErrorCode::invalid_input, whose + " has more than " +
+                                          std::to_string(most_patterns(painter.side())) +
                                           " different cells of " + size_text(painter.side(), painter.side()) +
                                           " texels, as many as an image of patterns holds; split it"};
 }
@@ -76,13 +81,19 @@ Error SceneBuilder::too_many_patterns(const std::string& whose) const {
 Result<std::string> SceneBuilder::add_patterns(const std::string& wish, const std::string& whose,
                                                const std::vector<std::uint8_t>& codes) {
     const std::int64_t side = painter.side();
+    if (std::ssize(codes) / (side * side * 4) > most_patterns(side)) return too_many_patterns(whose);
+    proto::Block& block = add_block(wish);
+    *block.mutable_pattern_set() = add_sheet(block.name() + ".png", side, codes);
+    return block.name();
+}
+
+proto::PatternSet SceneBuilder::add_sheet(const std::string& file, std::int64_t side,
+                                          const std::vector<std::uint8_t>& codes) {
     const std::int64_t count = std::ssize(codes) / (side * side * 4);
     const std::int64_t columns = std::min<std::int64_t>(
         count, std::max<std::int64_t>(1, std::llround(std::ceil(std::sqrt(double(count))))));
     const std::int64_t rows = (count + columns - 1) / columns;
-    if (count > most_patterns()) return too_many_patterns(whose);
-    proto::Block& block = add_block(wish);
-    TiledScene::Sheet sheet{block.name() + ".png", {}};
+    TiledScene::Sheet sheet{file, {}};
     sheet.image.width = static_cast<std::int32_t>(columns * side);
     sheet.image.height = static_cast<std::int32_t>(rows * side);
     sheet.image.bytes.resize(std::size_t(columns * rows * side * side * 4));
@@ -91,12 +102,12 @@ Result<std::string> SceneBuilder::add_patterns(const std::string& wish, const st
             std::copy_n(codes.begin() + ((i * side + y) * side) * 4, side * 4,
                         sheet.image.bytes.begin() +
                             ((i / columns * side + y) * columns * side + i % columns * side) * 4);
-    proto::PatternSet& set = *block.mutable_pattern_set();
+    proto::PatternSet set;
     set.set_image(sheet.file);
     set.set_side_texels(static_cast<std::uint32_t>(side));
     set.set_count(static_cast<std::uint32_t>(count));
     scene_.sheets.push_back(std::move(sheet));
-    return block.name();
+    return set;
 }
 
 Result<TiledScene> to_scene(const TiledMap& map, const std::string& title, Progress& progress) {
@@ -111,7 +122,13 @@ Result<TiledScene> to_scene(const TiledMap& map, const std::string& title, Progr
     // An infinite map has no corner: its top-left tile comes to the texture's
     std::int32_t first_x = 0, first_y = 0;
     std::int64_t width = map.width, height = map.height;
-    if (map.width == 0) {
+    if (map.width == 0)
+        for (const ObjectLayer& layer : map.objects)
+            for (const TileObject& object : layer.objects) {
+                width = std::max<std::int64_t>(width, std::llround(object.x / map.tile_width) + 1);
+                height = std::max<std::int64_t>(height, std::llround(object.y / map.tile_height) + 1);
+            }
+    if (map.width == 0 && !map.layers.empty()) {
         first_x = std::ranges::min(map.layers, {}, &TileLayer::x).x;
         first_y = std::ranges::min(map.layers, {}, &TileLayer::y).y;
         for (const TileLayer& layer : map.layers) {
@@ -140,9 +157,18 @@ Result<TiledScene> to_scene(const TiledMap& map, const std::string& title, Progr
         if (!texture->empty()) textures.push_back(*texture);
         progress.advance("painting", double(i + 1) / double(map.layers.size()));
     }
-    if (textures.empty())
-        return Error{ErrorCode::invalid_input, "no layer of the map shows a tile; there is no texture in it"};
     const std::uint32_t step = step_of(map);
+    const auto sprites = add_sprites(builder, first_x, first_y, step, progress);
+    if (!sprites) return sprites.error();
+    if (textures.empty() && *sprites > 0) {
+        // Sprites need a texture to lie on
+        proto::Block& nothing = builder.add_block("nothing");
+        nothing.mutable_constant()->set_alpha(0);
+        textures.push_back(nothing.name());
+    }
+    if (textures.empty())
+        return Error{ErrorCode::invalid_input,
+                     "no layer of the map shows a tile or a sprite; there is no texture in it"};
     for (const Tileset& set : map.tilesets)
         if (auto added = add_tileset(builder, set, step); !added) return added.error();
 
@@ -153,6 +179,7 @@ Result<TiledScene> to_scene(const TiledMap& map, const std::string& title, Progr
         output = layers.name();
     }
     scene.scene.mutable_pattern()->set_output(output);
+    if (moves(map)) scene.scene.mutable_clock()->set_steps_per_second(1000.0 / step);
     const auto pages =
         static_cast<std::uint64_t>((std::max(width, height) * builder.painter.side() + 255) / 256);
     scene.scene.set_extent_log2_pages(

@@ -32,7 +32,8 @@ struct TiledScene {
     std::string report() const;
 };
 
-/// Layers of tiles become reference textures over explicit indirection maps, one over the other. What the
+/// Layers of tiles become reference textures over explicit indirection maps, one over the other, and tiles at
+/// free places sprites over them. What the
 /// tilesets hold beside tiles becomes blocks that the map itself does not show, for whoever goes on with the
 /// scene: probabilities a probability map, complete terrains transition tiles, animations sequences. Errors:
 /// invalid_input (too many different cells), cancelled.

@@ -238,13 +238,84 @@ TEST_F(MadeMap, ProbabilitiesTerrainsAndAnimationsBecomeBlocks) {
     }
 }
 
+std::string objects(const std::string& objects, const std::string& attributes = "") {
+    return "<objectgroup name=\"things\" " + attributes + ">" + objects + "</objectgroup>\n";
+}
+
+TEST_F(MadeMap, TilesAtFreePlacesBecomeSpritesTexelForTexel) {
+    write_tiles("tiles.png", 4, 2, 8, 8);
+    // Objects stand on their position; what stands lower lies over
+    write("map.tmx", map_of(tileset(1, "tiles.png"),
+                            layer(std::vector<std::uint32_t>(16, 1), 4, 4) +
+                                objects(R"(<object gid="4" x="12" y="17"/><object gid="3" x="9" y="14"/>
+                                           <object gid="2147483654" x="20" y="30" width="8" height="8"/>)"),
+                            4, 4));
+    const auto scene = import("map.tmx");
+    ASSERT_TRUE(scene) << scene.error().detail;
+    EXPECT_THAT(joined(scene->made), HasSubstr("object layer \"things\": 3 sprites"));
+    EXPECT_THAT(scene->left_out, testing::IsEmpty());
+    const Rgba8Image shown = texels(0, 0, 32, 32);
+    EXPECT_EQ(texel(shown, 8, 6), (Texel{0, 0, 6, 255}));
+    EXPECT_EQ(texel(shown, 9, 6), (Texel{32, 0, 0, 255}));
+    EXPECT_EQ(texel(shown, 11, 13), (Texel{32, 2, 7, 255}));
+    EXPECT_EQ(texel(shown, 12, 9), (Texel{48, 0, 0, 255})) << "the lower one lies over the other";
+    EXPECT_EQ(texel(shown, 19, 16), (Texel{48, 7, 7, 255}));
+    EXPECT_EQ(texel(shown, 20, 22), (Texel{80, 7, 0, 255})) << "mirrored";
+}
+
+TEST_F(MadeMap, SpritesAreAlignedTurnedAndStretchedAsTheEditorDoes) {
+    write_tiles("tiles.png", 2, 1, 8, 8);
+    write("map.tmx", map_of(tileset(1, "tiles.png", 8, "", R"(objectalignment="center")"),
+                            objects(R"(<object gid="2" x="12" y="12" rotation="90"/>
+                            <object gid="2" x="32" y="12" width="16" height="4"/>
+                            <object gid="2" x="44" y="44" width="16" height="16"/>)"),
+                            8, 8));
+    const auto scene = import("map.tmx");
+    ASSERT_TRUE(scene) << scene.error().detail;
+    const proto::Sprites& sprites = scene->scene.sprites();
+    ASSERT_EQ(sprites.placed_size(), 3);
+    EXPECT_EQ(sprites.placed(0).turn(), 0.25);
+    EXPECT_EQ(sprites.placed(2).scale(), 2);
+    const Rgba8Image shown = texels(0, 0, 64, 64);
+    // A quarter turn takes the tile's left column to the top row, from the right to the left
+    EXPECT_EQ(texel(shown, 15, 8), (Texel{16, 0, 0, 255}));
+    EXPECT_EQ(texel(shown, 8, 8), (Texel{16, 0, 7, 255}));
+    EXPECT_EQ(texel(shown, 15, 15), (Texel{16, 7, 0, 255}));
+    EXPECT_EQ(texel(shown, 0, 0), (Texel{0, 0, 0, 0})) << "nothing is below";
+    EXPECT_EQ(texel(shown, 32, 12)[3], 255);
+    EXPECT_EQ(texel(shown, 32, 15)[3], 0) << "a quarter as high as wide";
+    EXPECT_EQ(texel(shown, 44, 44)[0], 16);
+}
+
+TEST_F(MadeMap, SpritesBelowLayersAreListedAndAnimatedOnesMove) {
+    write_tiles("tiles.png", 4, 2, 8, 8);
+    write("map.tmx", map_of(tileset(1, "tiles.png", 8,
+                                    R"(<tile id="2"><animation><frame tileid="2" duration="200"/>
+                            <frame tileid="5" duration="400"/></animation></tile>)"),
+                            objects(R"(<object gid="3" x="8" y="16"/>)") + layer({1, 0, 0, 1}, 2, 2), 2, 2));
+    const auto scene = import("map.tmx");
+    ASSERT_TRUE(scene) << scene.error().detail;
+    EXPECT_THAT(joined(scene->left_out), HasSubstr("\"things\": lies below a layer of tiles"));
+    EXPECT_EQ(scene->scene.clock().steps_per_second(), 5);
+    const auto loaded = load_scene(at("scene"));
+    ASSERT_TRUE(loaded) << loaded.error().detail;
+    for (const auto& [step, red] : {std::pair{0, 32}, {1, 80}, {2, 80}, {3, 32}}) {
+        Rgba8Image out;
+        TexelRegion region{0, 8, 8, 8, 8};
+        region.step = step;
+        ASSERT_TRUE((*loaded)->texture->evaluate(region, {}, out));
+        EXPECT_EQ(texel(out, 0, 0)[0], red) << step;
+    }
+}
+
 TEST_F(MadeMap, WhatASceneCannotHoldIsListedAndWrittenBesideIt) {
     write_tiles("tiles.png", 2, 1, 8, 8);
     write("map.tmx", map_of(tileset(1, "tiles.png", 8, "<tile id=\"0\"><objectgroup/></tile>"),
                             layer({1}, 1, 1, "parallaxx=\"0.5\" offsetx=\"0.25\" mode=\"multiply\"") +
                                 layer({1}, 1, 1, "visible=\"0\"") +
                                 R"(<imagelayer name="sky"><image source="x.png"/></imagelayer>
-                        <objectgroup name="things"><object gid="1"/><object gid="2"/><object/></objectgroup>)",
+                        <objectgroup name="things"><object gid="1" visible="0"/>
+                        <object gid="99"/><object template="x.tx"/><object/></objectgroup>)",
                             1, 1));
     const auto scene = import("map.tmx");
     ASSERT_TRUE(scene) << scene.error().detail;
@@ -255,7 +326,9 @@ TEST_F(MadeMap, WhatASceneCannotHoldIsListedAndWrittenBesideIt) {
         report,
         AllOf(HasSubstr("(parallax)"), HasSubstr("blended as \"multiply\""),
               HasSubstr("moved by parts of a texel"), HasSubstr("is hidden in the editor"),
-              HasSubstr("image layer \"sky\""), HasSubstr("\"things\": 2 sprites at free places"),
+              HasSubstr("image layer \"sky\""), HasSubstr("\"things\": one sprite is hidden in the editor"),
+              HasSubstr("\"things\": one object of a template"),
+              HasSubstr("one sprite of object layers: no tileset"),
               HasSubstr("\"things\": one shape, point or text"), HasSubstr("1 tiles have collision shapes")));
 }
 

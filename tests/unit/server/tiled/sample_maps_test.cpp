@@ -65,13 +65,13 @@ TEST_F(SampleMaps, TheIslandHasThreeLayersAndTwoAnimations) {
     EXPECT_THAT(test::joined(scene->left_out), HasSubstr("object layer \"Objects\": 3 shapes"));
 }
 
-TEST_F(SampleMaps, TheOutsideHasTransitionTilesAndSpritesThatStayBehind) {
+TEST_F(SampleMaps, TheOutsideHasTransitionTilesAndSprites) {
     const auto scene = import_sample("orthogonal-outside.tmx");
     ASSERT_TRUE(scene) << scene.error().detail;
     for (const char* pair : {"Grass-Dirt", "Grass-Dark-Dirt", "Grass-Water", "Dirt-Dark-Dirt", "Dirt-Water"})
         EXPECT_THAT(test::joined(scene->made), HasSubstr(std::string{"shown by \"outdoor-"} + pair + "\""));
-    EXPECT_THAT(test::joined(scene->left_out),
-                HasSubstr("object layer \"Objects\": 23 sprites at free places"));
+    EXPECT_THAT(test::joined(scene->made), HasSubstr("object layer \"Objects\": 23 sprites"));
+    EXPECT_EQ(scene->scene.sprites().placed_size(), 23);
 }
 
 TEST_F(SampleMaps, SewersAndWallsAreResampledAndTheRestIsRefusedWithItsReason) {
@@ -82,8 +82,13 @@ TEST_F(SampleMaps, SewersAndWallsAreResampledAndTheRestIsRefusedWithItsReason) {
     }
     EXPECT_THAT(import_sample("isometric_grass_and_water.tmx").error().detail, HasSubstr("is isometric"));
     EXPECT_THAT(import_sample("hexagonal-mini.tmx").error().detail, HasSubstr("is hexagonal"));
-    EXPECT_THAT(import_sample("sticker-knight/map/sandbox.tmx").error().detail,
-                HasSubstr("has no visible layer of tiles, of which textures are made; it has object layer"));
+}
+
+TEST_F(SampleMaps, AMapOfSpritesAloneIsATexture) {
+    const auto scene = import_sample("sticker-knight/map/sandbox.tmx");
+    ASSERT_TRUE(scene) << scene.error().detail;
+    EXPECT_EQ(scene->scene.sprites().placed_size(), 103);
+    EXPECT_THAT(test::joined(scene->left_out), HasSubstr("9 objects of templates"));
 }
 
 }  // namespace
