@@ -11,10 +11,10 @@ const view = '#tints/0/1152/640';
 const pixel = (x, y) => [x - 1152 + 640, y - 640 + 400];
 const [square, small] = pattern_colours;
 
-async function open_editor(t, options = {}) {
+async function open_editor(t, options = {}, at = view) {
   const server = await start_sprite_server({web: web_folder, ...options});
   t.after(server.stop);
-  const opened = await open_page(stage.browser, `${server.origin}/${view}`);
+  const opened = await open_page(stage.browser, `${server.origin}/${at}`);
   t.after(opened.close);
   await all_pages_shown(opened.page);
   await server.connected();
@@ -120,6 +120,20 @@ test('a drag is seen once in every frame, is one edit, and undo takes it back', 
   await page.keyboard.press('Control+Shift+z');
   await until(() => server.here.get(1n).x === 1352);
   await wait_for_colour(page, to, square);
+  assert.deepEqual(quiet(complaints), []);
+});
+
+test('an animated sprite in the hand shows the frame of the step that is shown', async (t) => {
+  const clock = {animated: true, steps_per_second: 10, loop_steps: '4'};
+  const {page, complaints, drag} = await open_editor(t, {sprites: [{...one, animation: 0}], page_delay: 120, clock}, `${view}?step=2`);
+  const [from, to] = [pixel(1152, 640), pixel(1352, 700)];
+  await wait_for_colour(page, from, small);
+  await drag(from, to);
+  await wait_for_colour(page, to, small);
+  const frames = await sample_frames(page, [to]);
+  await page.mouse.up();
+  await page.waitForTimeout(900);
+  assert.deepEqual(await frames(), [small.join(' ')], 'in the hand and on the pages, in every frame');
   assert.deepEqual(quiet(complaints), []);
 });
 

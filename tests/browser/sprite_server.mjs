@@ -20,14 +20,18 @@ const box_of = ({x, y, scale = 1}) => {
   return {x0: Math.floor(x - half), y0: Math.floor(y - half), x1: Math.ceil(x + half), y1: Math.ceil(y + half)};
 };
 
-/** @param {{web: string, sprites?: any[], page_delay?: number, hello?: object}} options Sprites: {id, pattern, x, y, …}. */
+/** Of the scene: both patterns, each for two steps. */
+const animations = [{frames: [{steps: 2}, {pattern: 1, steps: 2}]}];
+const frame_at = (sprite, step) => (sprite.animation === undefined ? sprite : {...sprite, pattern: Math.floor(step / 2) % 2});
+
+/** @param {{web: string, sprites?: any[], page_delay?: number, hello?: object, clock?: object}} options Sprites: {id, pattern, x, y, …}. */
 export async function start_sprite_server({web, sprites = [], page_delay = 0, hello = {}, clock = {}}) {
   const here = new Map(sprites.map((sprite) => [BigInt(sprite.id), {scale: 1, turn: 0, order: 0, ...sprite, id: BigInt(sprite.id)}]));
   const lifted_asked = [];
   const state = {refuse: null};
-  const texels = (level, x, y, without) => {
+  const texels = (level, x, y, without, step) => {
     const size = 2 ** level;
-    const shown = [...here.values()].filter(({id}) => !without.includes(id)).sort((a, b) => a.order - b.order || Number(a.id - b.id));
+    const shown = [...here.values()].filter(({id}) => !without.includes(id)).map((sprite) => frame_at(sprite, step)).sort((a, b) => a.order - b.order || Number(a.id - b.id));
     return page_of_texels((u, v) => {
       const [tx, ty] = [(x * 256 + u + 0.5) * size, (y * 256 + v + 0.5) * size];
       const top = shown.findLast((sprite) => covers(sprite, tx, ty));
@@ -39,7 +43,7 @@ export async function start_sprite_server({web, sprites = [], page_delay = 0, he
     page_of: (level, x, y, url) => {
       const ids = url.pathname.match(/\/without-([\d,]+)\//)?.[1].split(',').map(BigInt) ?? [];
       if (ids.length > 0) lifted_asked.push(url.pathname);
-      return texels(level, x, y, ids);
+      return texels(level, x, y, ids, Number(url.searchParams.get('step') ?? 0));
     },
     answer_other: (response, url) => {
       const pattern = url.pathname.match(/\/patterns\/(\d)\.png$/)?.[1];
@@ -47,6 +51,10 @@ export async function start_sprite_server({web, sprites = [], page_delay = 0, he
         const inset = pattern === '1' ? side * 0.2 : 0;
         response.setHeader('content-type', 'image/png').end(page_of_texels((u, v) =>
           Math.min(u, v) >= inset && Math.max(u, v) < side - inset ? [...pattern_colours[pattern], 255] : [0, 0, 0, 0]));
+        return true;
+      }
+      if (url.pathname === '/scenes/tints/editables') {
+        response.setHeader('content-type', 'application/json').end(JSON.stringify({revision: String(server.scene.revision), sprite_animations: animations}));
         return true;
       }
       if (url.pathname !== '/scenes/tints/sprites') return false;

@@ -99,9 +99,13 @@ export class Editor {
     return this.#selected.map((id) => this.#now(id)).filter((sprite) => sprite !== undefined);
   }
 
-  /** A sprite where it is at the step that is shown. @param {import('./sprite.js').Sprite} sprite */
+  /** A sprite where and as it is at the step that is shown. @param {import('./sprite.js').Sprite} sprite */
   now(sprite) {
-    return at_step(sprite, this.#map.step());
+    const step = this.#map.step();
+    const there = at_step(sprite, step);
+    if (!this.patterns || sprite.more?.animation === undefined) return there;
+    this.patterns.prepare(sprite);
+    return {...there, pattern: this.patterns.shown(sprite, step)};
   }
 
   /** The sprite that a click would place. */

@@ -1,13 +1,17 @@
 import {fetch_page} from '../page_fetch.js';
+import {ask} from '../server.js';
+import {shown_pattern} from './sprite.js';
 
 const most_side = 256;
 
-/** What the sprites' patterns look like; each is fetched once. Calls `changed` when one has come. */
+/** What the sprites' patterns look like, and which one an animated sprite shows; each is fetched once. Calls `changed` when one has come. */
 export class PatternImages {
   #texture;
   #changed;
   #names;
   #abort = new AbortController();
+  /** The scene's animations by index. @type {{pattern?: number, steps?: number}[][]} */
+  #animations = [];
   /** @type {Map<number, {canvas: HTMLCanvasElement | null, alpha: Uint8ClampedArray | null}>} */
   #images = new Map();
   /** Of a pattern, in texels. */
@@ -19,6 +23,7 @@ export class PatternImages {
     this.#names = names;
     this.side = side;
     this.#changed = changed;
+    this.#load_animations();
   }
 
   get count() {
@@ -28,6 +33,16 @@ export class PatternImages {
   /** @param {number} pattern */
   name(pattern) {
     return this.#names[pattern] || `Pattern ${pattern + 1}`;
+  }
+
+  /** What a sprite shows at a step. @param {import('./sprite.js').Sprite} sprite @param {number} step */
+  shown(sprite, step) {
+    return shown_pattern(sprite, step, this.#animations);
+  }
+
+  /** Fetches all that a sprite shows at any step. @param {import('./sprite.js').Sprite} sprite */
+  prepare(sprite) {
+    for (const {pattern = 0} of this.#animations[sprite.more?.animation ?? -1] ?? []) this.image(pattern);
   }
 
   /** Null until it has come. @param {number} pattern */
@@ -48,6 +63,19 @@ export class PatternImages {
 
   close() {
     this.#abort.abort();
+  }
+
+  async #load_animations() {
+    try {
+      const reply = await ask(`/scenes/${encodeURIComponent(this.#texture.id)}/editables`, {signal: this.#abort.signal});
+      if (!reply.ok) return;  // an older server: sprites show their own pattern
+      const {sprite_animations = []} = await reply.json();
+      this.#animations = sprite_animations.map((/** @type {any} */ {frames = []}) => frames);
+    } catch {
+      if (!this.#abort.signal.aborted) setTimeout(() => this.#load_animations(), 3000);
+      return;
+    }
+    this.#changed();
   }
 
   /** @param {number} pattern */

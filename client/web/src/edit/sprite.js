@@ -27,6 +27,18 @@ export function at_step(sprite, step) {
   return {...sprite, x: sprite.x + (path.to_x - sprite.x) * share, y: sprite.y + (path.to_y - sprite.y) * share};
 }
 
+/**
+ * What it shows at a step: its animation's pattern then, as the pages do; its own while it has none that is known.
+ * @param {Sprite} sprite @param {number} step @param {{pattern?: number, steps?: number}[][]} animations The scene's, by index.
+ */
+export function shown_pattern(sprite, step, animations) {
+  const frames = animations[sprite.more?.animation ?? -1];
+  if (!frames) return sprite.pattern;
+  const run = BigInt(frames.reduce((sum, {steps = 1}) => sum + steps, 0));
+  let left = Number((((BigInt(Math.floor(step)) + (sprite.more.phase ?? 0n)) % run) + run) % run);
+  return frames.find(({steps = 1}) => (left -= steps) < 0)?.pattern ?? 0;
+}
+
 /** @param {any} placed A SpritePlacement, of the stream (camelCase, BigInts) or of JSON (snake_case, text). @returns {Sprite} */
 export function sprite_of(placed) {
   const whole = (/** @type {any} */ value) => (value === undefined ? undefined : BigInt(value));

@@ -73,7 +73,7 @@ export class SpriteBook extends EventTarget {
       if (step < sprite.first_step || step >= sprite.end_step) continue;
       if (whole / 2 < least_half && Math.abs(dx) < least_half && Math.abs(dy) < least_half) return this.list[i];
       const [cos, sin] = [Math.cos(sprite.turn * 2 * Math.PI), Math.sin(sprite.turn * 2 * Math.PI)];
-      if (this.#patterns.covers(sprite.pattern, (dx * cos + dy * sin) / whole + 0.5, (dy * cos - dx * sin) / whole + 0.5)) return this.list[i];
+      if (this.#patterns.covers(this.#patterns.shown(sprite, step), (dx * cos + dy * sin) / whole + 0.5, (dy * cos - dx * sin) / whole + 0.5)) return this.list[i];
     }
     return undefined;
   }
