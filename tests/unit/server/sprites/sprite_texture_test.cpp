@@ -94,6 +94,44 @@ TEST(SpriteTexture, OnWholeTexelsAPatternIsSeenTexelForTexel) {
             << i;
 }
 
+TEST(SpriteTexture, TransparentMarginsChangeNothingAndAreNotKept) {
+    // The ring alone, and with as much of nothing around it as makes 128 texels a side; and nothing
+    const PatternImages all = made_patterns();
+    constexpr std::int32_t wide_side = 128, margin = (wide_side - pattern_side) / 2;
+    PatternImages narrow{.side = pattern_side, .count = 1, .slices = 1, .codes = {}};
+    narrow.codes.assign(all.image(1, 0), all.image(2, 0));
+    PatternImages wide{.side = wide_side, .count = 2, .slices = 1, .codes = {}};
+    wide.codes.resize(std::size_t{2} * wide_side * wide_side * 4);
+    for (std::int32_t y = 0; y < pattern_side; ++y)
+        std::copy_n(narrow.codes.begin() + y * pattern_side * 4, pattern_side * 4,
+                    wide.codes.begin() + ((margin + y) * wide_side + margin) * 4);
+    const SpriteImages narrow_images{narrow, 1 << 24}, wide_images{wide, 1 << 24};
+    for (int n = 0; n < 100; ++n) {
+        Sprite sprite = sprite_at(1, n * 0.37 - 20, n * -0.61, 0);
+        sprite.turn = static_cast<std::uint16_t>(n % 4 == 0 ? n * 4096 : n * 641);
+        sprite.scale = static_cast<std::uint32_t>((0.05 + 0.039 * n) * sprite_scale_one);
+        const SpriteImage one = narrow_images.of(sprite, 0, 0);
+        sprite.side_texels = wide_side;
+        const SpriteImage other = wide_images.of(sprite, 0, 0);
+        ASSERT_LT(other.image->width(), 1.5 * pattern_side * sprite.scale / sprite_scale_one + 8) << n;
+        const auto step = [](const SpriteImage& image, std::int64_t x, std::int64_t y) {
+            const std::int64_t i = x - image.left, j = y - image.top;
+            if (i < 0 || j < 0 || i >= image.image->width() || j >= image.image->height())
+                return SummedArea::Sums{};
+            const auto u = static_cast<std::int32_t>(i), v = static_cast<std::int32_t>(j);
+            return image.image->sum(u, v, u + 1, v + 1);
+        };
+        for (std::int64_t y = one.top - 4; y < one.top + one.image->height() + 4; ++y)
+            for (std::int64_t x = one.left - 4; x < one.left + one.image->width() + 4; ++x)
+                for (std::size_t c = 0; c < 4; ++c)
+                    ASSERT_NEAR(static_cast<double>(step(one, x, y)[c]),
+                                static_cast<double>(step(other, x, y)[c]), 1)
+                        << n << ": " << x << ", " << y;
+        sprite.pattern = 1;
+        EXPECT_EQ(wide_images.of(sprite, 0, 0).image->width(), 1);
+    }
+}
+
 TEST(SpriteTexture, EveryLevelIsTheBoxReductionOfLevel0) {
     for (const std::int64_t at : {std::int64_t{0}, std::int64_t{-3000}, (std::int64_t{1} << 37) - 256}) {
         const Made made = crowd(60, at, at, 256);
