@@ -42,7 +42,7 @@ Result<void> compile_pixel_map(Compilation& c, std::size_t block) {
     for (std::size_t i = 0; i < map->values.size(); ++i) {
         if (map->values[i] >= 0 && map->values[i] < message.textures_size()) continue;
         const auto width = static_cast<std::size_t>(map->width);
-        return c.error(block, ".image",
+        return c.error(block, message.values().empty() ? ".image" : ".values",
                        "holds the code " + std::to_string(map->values[i]) + " at (" +
                            std::to_string(i % width) + ", " + std::to_string(i / width) +
                            "), but textures has " + std::to_string(message.textures_size()) +

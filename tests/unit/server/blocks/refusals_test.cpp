@@ -354,6 +354,9 @@ TEST(Refusals, PixelMapsWithCodesThatNoTextureHas) {
     EXPECT_EQ(compile(R"("textures": ["a", "b", "a"])"), "accepted");
     EXPECT_THAT(compile(R"("textures": ["a", "b"])"),
                 HasSubstr("holds the code 2 at (1, 1), but textures has 2"));
+    EXPECT_THAT(refusal(R"({"name": "a", "constant": {}},
+                           {"name": "mask", "pixel_map": {"values": [0, 1], "width": 2, "textures": ["a"]}})"),
+                HasSubstr("\"mask\".values: holds the code 1 at (1, 0)"));
     EXPECT_THAT(compile(R"("textures": ["a", "b", "a"], "texels": 3)"),
                 HasSubstr(".texels: is 3; a power of two"));
     EXPECT_THAT(compile(R"("textures": ["a", "b", "a"], "edge": "blank")"), HasSubstr(".edge: is neither"));
