@@ -62,7 +62,7 @@ class Blocks {
     using Known = std::pair<const PageKey, Page>;
 
     void add_blocks(const FlatPiece& piece, std::vector<Block>& blocks) {
-        const Seen whole = visibility_.seen(piece, visibility_.box_of(piece));
+        const Seen whole = visibility_.seen(piece, visibility_.box_known(piece));
         const PixelBox& box = whole.box;
         if (!view_.is_plane() && box.right - box.left <= block_pixels &&
             box.bottom - box.top <= block_pixels) {

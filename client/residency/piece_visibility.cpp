@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/residency/quick_math.h"
+
 namespace tessera {
 namespace {
 
@@ -12,33 +14,79 @@ constexpr float depth_margin = 1e-4F;  ///< Of 1
 }  // namespace
 
 PieceVisibility::PieceVisibility(const PlaneView& view) : view_{view} {
-    if (view.is_plane()) return;
+    known_.reserve(view.pieces().size());
+    if (view.is_plane()) {
+        for (const FlatPiece& piece : view.pieces()) known_.push_back({.box = box_of(piece)});
+        return;
+    }
     const auto width = static_cast<std::size_t>(view.width());
     nearest_.assign(width * static_cast<std::size_t>(view.height()), 0);
-    for (const FlatPiece& piece : view.pieces()) {
-        const Lines lines = lines_of(piece);
-        const PixelBox box = box_of(piece);
-        for (int y = box.top; y < box.bottom; ++y) {
-            int first = box.left, end = box.right;
-            row_span(lines, y + 0.5, 0, first, end);
-            const auto step = static_cast<float>(piece.w[0]);
-            const auto begin = static_cast<float>(piece.w[0] * (0.5 - view.width() / 2.0) +
-                                                  piece.w[1] * (y + 0.5 - view.height() / 2.0) + piece.w[2]);
-            float* row = nearest_.data() + static_cast<std::size_t>(y) * width;
-            for (int x = first; x < end; ++x) {
-                const float w = begin + static_cast<float>(x) * step;
-                row[x] = row[x] < w ? w : row[x];
-            }
+    for (const FlatPiece& piece : view.pieces()) add_to_nearest(piece);
+    for (std::size_t i = 0; i < known_.size(); ++i) find_rows(view.pieces()[i], known_[i]);
+}
+
+/// What of it lies before the others so far; keeps its rows as they would be if nothing hid it.
+void PieceVisibility::add_to_nearest(const FlatPiece& piece) {
+    const Known& known = known_.emplace_back(Known{box_of(piece), rows_.size()});
+    const Lines lines = lines_of(piece);
+    const auto step = static_cast<float>(piece.w[0]);
+    for (int y = known.box.top; y < known.box.bottom; ++y) {
+        Span exact, wide;
+        row_spans(lines, y + 0.5, known.box, exact, wide);
+        rows_.push_back({wide.first, wide.end, 0});
+        const auto begin = static_cast<float>(piece.w[0] * (0.5 - view_.width() / 2.0) +
+                                              piece.w[1] * (y + 0.5 - view_.height() / 2.0) + piece.w[2]);
+        float* row = nearest_.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(view_.width());
+        for (int x = exact.first; x < exact.end; ++x) {
+            const float w = begin + static_cast<float>(x) * step;
+            row[x] = row[x] < w ? w : row[x];
         }
     }
+}
+
+void PieceVisibility::find_rows(const FlatPiece& piece, const Known& known) {
+    for (int y = known.box.top; y < known.box.bottom; ++y) {
+        Row& row = rows_[known.first_row + static_cast<std::size_t>(y - known.box.top)];
+        row = shown_in(piece, y, row.left, row.right);
+    }
+}
+
+/// Of a row's pixels [first, end), which lie in the piece: those that show it.
+PieceVisibility::Row PieceVisibility::shown_in(const FlatPiece& piece, int y, int first, int end) const {
+    if (first >= end) return {};
+    const float* row =
+        nearest_.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(view_.width());
+    const auto step = static_cast<float>(piece.w[0]);
+    const auto begin = static_cast<float>(piece.w[0] * (0.5 - view_.width() / 2.0) +
+                                          piece.w[1] * (y + 0.5 - view_.height() / 2.0) + piece.w[2]);
+    // Of a piece that is seen nearly edge on, w differs much from one pixel to the next
+    const auto slack = static_cast<float>(pixel_margin * (std::abs(piece.w[0]) + std::abs(piece.w[1])));
+    const auto shows = [&](int x) {
+        return begin + static_cast<float>(x) * step + slack >= row[x] * (1 - depth_margin);
+    };
+    int pixels = 0;
+    for (int x = first; x < end; ++x) pixels += shows(x) ? 1 : 0;
+    if (pixels == 0) return {};
+    while (!shows(first)) ++first;
+    while (!shows(end - 1)) --end;
+    return {first, end, pixels};
 }
 
 PieceVisibility::Lines PieceVisibility::lines_of(const FlatPiece& piece) const {
     Lines made;
     const double step = view_.pixel_step();
+    // a·x + b·y + c ≥ 0 on the piece's side, in pixels once it is scaled
     const auto add = [&](double a, double b, double c) {
         const double scale = 1 / std::max(std::hypot(a, b), 1e-300);
-        made.lines[made.count++] = {a * scale, b * scale, c * scale};
+        a *= scale;
+        b *= scale;
+        c *= scale;
+        if (std::abs(a) < 1e-12) {
+            made.level[made.levels++] = {b, c};
+            return;
+        }
+        Line& line = a > 0 ? made.left[made.lefts++] : made.right[made.rights++];
+        line = {-b / a, -c / a, -pixel_margin / a};
     };
     for (int i = 0; i < piece.corner_count; ++i) {
         // The plane through the eye and this side
@@ -50,23 +98,34 @@ PieceVisibility::Lines PieceVisibility::lines_of(const FlatPiece& piece) const {
     return made;
 }
 
-void PieceVisibility::row_span(const Lines& lines, double y, double margin, int& first, int& end) const {
-    const double py = y - view_.height() / 2.0;
-    double low = first - view_.width() / 2.0, high = end - view_.width() / 2.0;
-    for (int i = 0; i < lines.count; ++i) {
-        const Line& line = lines.lines[i];
-        const double rest = line.b * py + line.c + margin;
-        if (line.a > 0)
-            low = std::max(low, -rest / line.a);
-        else if (line.a < 0)
-            high = std::min(high, -rest / line.a);
-        else if (rest < 0)
-            high = low;
+void PieceVisibility::row_spans(const Lines& lines, double y, const PixelBox& box, Span& exact,
+                                Span& wide) const {
+    const double py = y - view_.height() / 2.0, middle = view_.width() / 2.0;
+    double low = box.left - middle, high = box.right - middle, wide_low = low, wide_high = high;
+    for (int i = 0; i < lines.lefts; ++i) {
+        const double at = lines.left[i].slope * py + lines.left[i].at;
+        low = std::max(low, at);
+        wide_low = std::max(wide_low, at + lines.left[i].wider);
+    }
+    for (int i = 0; i < lines.rights; ++i) {
+        const double at = lines.right[i].slope * py + lines.right[i].at;
+        high = std::min(high, at);
+        wide_high = std::min(wide_high, at + lines.right[i].wider);
+    }
+    for (int i = 0; i < lines.levels; ++i) {
+        const double rest = lines.level[i].b * py + lines.level[i].c;
+        if (rest < 0) high = low;
+        if (rest + pixel_margin < 0) wide_high = wide_low;
     }
     // Middles from low to high
-    const double middle = view_.width() / 2.0 - 0.5;
-    first = std::max(first, static_cast<int>(std::ceil(std::min(low + middle, 1e9))));
-    end = std::min(end, static_cast<int>(std::floor(std::max(high + middle, -1e9))) + 1);
+    const auto span = [&](double from, double to) {
+        const double left = std::clamp(from + middle - 0.5, -1e9, 1e9),
+                     right = std::clamp(to + middle - 0.5, -1e9, 1e9);
+        return Span{std::max(box.left, -static_cast<int>(floor_of(-left))),
+                    std::min(box.right, static_cast<int>(floor_of(right)) + 1)};
+    };
+    exact = span(low, high);
+    wide = span(wide_low, wide_high);
 }
 
 PixelBox PieceVisibility::box_of(const FlatPiece& piece) const {
@@ -114,12 +173,6 @@ PixelBox PieceVisibility::box_of(const FlatPiece& piece) const {
             pixel(right + tips + 1, whole.left, whole.right), pixel(bottom + tips + 1, 0, whole.bottom)};
 }
 
-const PieceVisibility::Lines& PieceVisibility::lines_known(const FlatPiece& piece) const {
-    if (known_ != &piece) lines_ = lines_of(piece);
-    known_ = &piece;
-    return lines_;
-}
-
 PieceVisibility::Seen PieceVisibility::seen(const FlatPiece& piece, const PixelBox& box) const {
     Seen found;
     found.box = {box.right, box.bottom, box.left, box.top};
@@ -139,37 +192,30 @@ PieceVisibility::Seen PieceVisibility::seen(const FlatPiece& piece, const PixelB
         found.y = (found.box.top + box.bottom) / 2;
         return found;
     }
-    const Lines& lines = lines_known(piece);
+    const Known& known = known_of(piece);
     const int middle_x = (box.left + box.right) / 2, middle_y = (box.top + box.bottom) / 2;
     int least_away = 1 << 30;
-    for (int y = box.top; y < box.bottom; ++y) {
-        int first = box.left, end = box.right;
-        row_span(lines, y + 0.5, pixel_margin, first, end);
-        if (first >= end) continue;
-        int left = first, right = end, pixels = end - first;
-        if (!nearest_.empty()) {
-            const float* row =
-                nearest_.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(view_.width());
-            const auto step = static_cast<float>(piece.w[0]);
-            const auto begin = static_cast<float>(piece.w[0] * (0.5 - view_.width() / 2.0) +
-                                                  piece.w[1] * (y + 0.5 - view_.height() / 2.0) + piece.w[2]);
-            // Of a piece that is seen nearly edge on, w differs much from one pixel to the next
-            const auto slack =
-                static_cast<float>(pixel_margin * (std::abs(piece.w[0]) + std::abs(piece.w[1])));
-            const auto shows = [&](int x) {
-                return begin + static_cast<float>(x) * step + slack >= row[x] * (1 - depth_margin);
-            };
-            pixels = 0;
-            for (int x = first; x < end; ++x) pixels += shows(x) ? 1 : 0;
-            if (pixels == 0) continue;
-            while (!shows(left)) ++left;
-            while (!shows(right - 1)) --right;
+    for (int y = std::max(box.top, known.box.top); y < std::min(box.bottom, known.box.bottom); ++y) {
+        Row row = rows_[known.first_row + static_cast<std::size_t>(y - known.box.top)];
+        const bool is_whole = row.pixels == row.right - row.left;
+        const bool is_inside = row.left >= box.left && row.right <= box.right;
+        if (!is_inside) {
+            row.left = std::max(row.left, box.left);
+            row.right = std::min(row.right, box.right);
+            if (row.left >= row.right) continue;
+            if (is_whole)
+                row.pixels = row.right - row.left;
+            else
+                row = shown_in(piece, y, row.left, row.right);
         }
+        const auto [left, right, pixels] = row;
+        if (pixels == 0) continue;
         found.pixels += pixels;
         found.box.left = std::min(found.box.left, left);
         found.box.right = std::max(found.box.right, right);
         found.box.top = std::min(found.box.top, y);
         found.box.bottom = y + 1;
+        if (std::abs(y - middle_y) >= least_away) continue;
         const int x = std::abs(left - middle_x) < std::abs(right - 1 - middle_x) ? left : right - 1;
         const int nearest_x = pixels == right - left ? std::clamp(middle_x, left, right - 1) : x;
         const int away = std::abs(nearest_x - middle_x) + std::abs(y - middle_y);

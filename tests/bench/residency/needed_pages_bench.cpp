@@ -30,6 +30,36 @@ BENCHMARK(walk)
     ->ArgsProduct({{0, 1, 2, 3, 4}, {12, 40, 80}})
     ->Unit(benchmark::kMicrosecond);
 
+/// Of hills, which hide each other: with the mesh, which is made once a frame.
+void walk_terrain(benchmark::State& state) {
+    const Sampling sampling = samplings[static_cast<std::size_t>(state.range(0))];
+    const Camera camera{.ground = {1'234'567'890, 987'654'321, 0.5, 0.5},
+                        .height_texels = 750,
+                        .yaw_degrees = 33,
+                        .pitch_degrees = static_cast<double>(-state.range(1))};
+    const Surface hills{.kind = Surface::Kind::terrain};
+    std::size_t pages = 0;
+    for (auto _ : state) pages = needed_pages({camera, 800, 700, hills}, Extent{30}, 0, sampling).size();
+    if (pages < 8) return state.SkipWithError("hardly a page");
+    state.counters["pages"] = static_cast<double>(pages);
+}
+BENCHMARK(walk_terrain)
+    ->ArgNames({"filter", "pitch"})
+    ->ArgsProduct({{0, 2, 4}, {12, 40}})
+    ->Unit(benchmark::kMicrosecond);
+
+void mesh_terrain(benchmark::State& state) {
+    const Camera camera{.ground = {1'234'567'890, 987'654'321, 0.5, 0.5},
+                        .height_texels = 750,
+                        .yaw_degrees = 33,
+                        .pitch_degrees = static_cast<double>(-state.range(0))};
+    const Surface hills{.kind = Surface::Kind::terrain};
+    std::size_t pieces = 0;
+    for (auto _ : state) pieces = PlaneView{camera, 800, 700, hills}.pieces().size();
+    state.counters["pieces"] = static_cast<double>(pieces);
+}
+BENCHMARK(mesh_terrain)->ArgName("pitch")->Arg(12)->Arg(40)->Unit(benchmark::kMicrosecond);
+
 }  // namespace
 
 BENCHMARK_MAIN();
