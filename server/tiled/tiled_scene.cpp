@@ -184,6 +184,12 @@ Result<TiledScene> to_scene(const TiledMap& map, const std::string& title, Progr
         static_cast<std::uint64_t>((std::max(width, height) * builder.painter.side() + 255) / 256);
     scene.scene.set_extent_log2_pages(
         static_cast<std::uint32_t>(std::clamp(static_cast<int>(std::bit_width(pages - 1)), 1, 30)));
+    // The middle of the map, which is not that of the extent, as large as a window of a thousand pixels
+    const auto longest = static_cast<double>(std::max(width, height) * builder.painter.side());
+    proto::OpeningView& view = *scene.scene.mutable_view();
+    view.set_x(width * builder.painter.side() / 2);
+    view.set_y(height * builder.painter.side() / 2);
+    view.set_level(std::max(0.0, std::log2(longest / 1024)));
     return scene;
 }
 

@@ -287,6 +287,17 @@ TEST_F(MadeMap, SpritesAreAlignedTurnedAndStretchedAsTheEditorDoes) {
     EXPECT_EQ(texel(shown, 44, 44)[0], 16);
 }
 
+TEST_F(MadeMap, AVisitorBeginsInTheMiddleOfTheMap) {
+    write_tiles("tiles.png", 2, 1, 8, 8);
+    write("map.tmx",
+          map_of(tileset(1, "tiles.png"), layer(std::vector<std::uint32_t>(512 * 3, 1), 512, 3), 512, 3));
+    const auto scene = import("map.tmx");
+    ASSERT_TRUE(scene) << scene.error().detail;
+    EXPECT_EQ(scene->scene.view().x(), 2048);
+    EXPECT_EQ(scene->scene.view().y(), 12);
+    EXPECT_EQ(scene->scene.view().level(), 2);
+}
+
 TEST_F(MadeMap, SpritesBelowLayersAreListedAndAnimatedOnesMove) {
     write_tiles("tiles.png", 4, 2, 8, 8);
     write("map.tmx", map_of(tileset(1, "tiles.png", 8,
