@@ -37,6 +37,7 @@ ResidencyFrame FramePainter::update(const ViewFrame& frame) {
     scene_.set_uploads_per_frame(frame.most_uploads);
     scene_.hold(frame.holds);
     const PlaneView view = frame.view();
+    beside_.reset();
     if (!frame.split || !frame.split->is_second || !second_) {
         ResidencyFrame whole = scene_.update(view, frame.time, frame.filter);
         scene_.show_held(still_held(frame.held, whole.ended_holds));
@@ -49,6 +50,7 @@ ResidencyFrame FramePainter::update(const ViewFrame& frame) {
     ResidencyFrame right = second_->update(view.part(column, frame.width), frame.time, frame.split->filter);
     scene_.show_held(still_held(frame.held, left.ended_holds));
     second_->show_held(still_held(frame.held, right.ended_holds));
+    beside_ = {std::move(right.sampled), right.uploads.size()};
     add_part(left, std::move(right), 1 - static_cast<double>(column) / frame.width);
     return left;
 }

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+#include <vector>
+
 #include "client/render/plane_scene.h"
 #include "client/view/view_frame.h"
 
@@ -24,10 +27,18 @@ class FramePainter {
     void set_second(PlaneScene* second) { second_ = second; }
     PlaneScene* second() { return second_; }
     const PlaneScene* second() const { return second_; }
+    /// Of the last update(), where both parts have a cache of their own: what the second sampled, and how
+    /// many of the outcome's uploads, the last ones, were its.
+    struct Beside {
+        std::vector<NeededPage> sampled;
+        std::size_t uploads = 0;
+    };
+    const std::optional<Beside>& beside() const { return beside_; }
 
   private:
     PlaneScene& scene_;
     PlaneScene* second_;
+    std::optional<Beside> beside_;
 };
 
 }  // namespace tessera

@@ -70,10 +70,14 @@ void SessionLog::measured(const ViewFrame& frame, const ResidencyFrame& outcome,
             next_check_ = frame.time.now + between_checks;
         }
     }
+    const auto& beside = painter.beside();
     metrics_.add({.camera = frame.camera,
                   .time = frame.time,
                   .outcome = outcome,
                   .residency = scene.residency(),
+                  .second = beside ? &painter.second()->residency() : nullptr,
+                  .second_sampled = beside ? std::span{beside->sampled} : std::span<const NeededPage>{},
+                  .second_uploads = beside ? beside->uploads : 0,
                   .frame_ms = costs.frame_ms,
                   .work_ms = costs.work_ms,
                   .upload_ms = scene.upload_ms(),

@@ -4,8 +4,9 @@
 
 namespace tessera {
 
-void PageTraffic::add(const ResidencyFrame& outcome, const Residency& residency, ClientTime now, Step step) {
-    for (const SlotUpload& upload : outcome.uploads) {
+void PageTraffic::add(std::span<const SlotUpload> uploads, std::span<const NeededPage> sampled,
+                      const Residency& residency, ClientTime now, Step step) {
+    for (const SlotUpload& upload : uploads) {
         ++received_;
         unseen_.insert(upload.page);
     }
@@ -13,7 +14,7 @@ void PageTraffic::add(const ResidencyFrame& outcome, const Residency& residency,
     std::unordered_map<PageKey, ClientTime> stale;
     faults_ = 0;
     stalest_ = {};
-    for (const NeededPage& page : outcome.sampled) {
+    for (const NeededPage& page : sampled) {
         const auto shown = residency.table().shown_for(page.key);
         PageKey at = page.key;
         while (shown && at.level < shown->level) at = parent(at);
@@ -31,10 +32,6 @@ void PageTraffic::add(const ResidencyFrame& outcome, const Residency& residency,
     missing_ = std::move(missing);
     stale_since_ = std::move(stale);
     std::erase_if(unseen_, [&](PageKey page) { return !residency.cache().find(page); });
-}
-
-double PageTraffic::over_fetch() const {
-    return sampled_ == 0 ? 1 : static_cast<double>(received_) / static_cast<double>(sampled_);
 }
 
 }  // namespace tessera

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -13,8 +14,9 @@ namespace tessera {
 /// needed or in the cache.
 class PageTraffic {
   public:
-    /// `outcome` is what residency.update() said of the frame at `now`.
-    void add(const ResidencyFrame& outcome, const Residency& residency, ClientTime now, Step step);
+    /// What residency.update() said of the frame at `now`.
+    void add(std::span<const SlotUpload> uploads, std::span<const NeededPage> sampled,
+             const Residency& residency, ClientTime now, Step step);
 
     /// Pages that the last frame needed, that were not there, and that the frame before did not need or had.
     std::size_t faults() const { return faults_; }
@@ -25,9 +27,6 @@ class PageTraffic {
 
     std::uint64_t received() const { return received_; }  ///< Copies of pages that came, since the start.
     std::uint64_t sampled() const { return sampled_; }    ///< Of these, those that some frame showed.
-    /// Copies that came for each that was shown: 1 at best. Those in the cache that wait to be seen count as
-    /// not shown.
-    double over_fetch() const;
 
   private:
     std::unordered_set<PageKey> missing_;

@@ -32,13 +32,18 @@ void SessionMetrics::add(const FrameSample& sample) {
         if (frame_times_.size() == frames_between_medians || frames_ % frames_between_medians == 0)
             median_ms_ = frame_times_.percentile(0.5);
     }
-    traffic_.add(outcome, residency, sample.time.now, sample.time.step);
+    const std::span uploads{outcome.uploads};
+    traffic_.add(uploads.first(uploads.size() - sample.second_uploads), outcome.sampled, residency,
+                 sample.time.now, sample.time.step);
+    if (sample.second)
+        second_traffic_.add(uploads.last(sample.second_uploads), sample.second_sampled, *sample.second,
+                            sample.time.now, sample.time.step);
     waits_.add(sample.camera, outcome, residency.versions().history(), residency.versions().told_revision(),
                sample.time.now);
 
     line_.end_ms = now_ms;
     line_.bytes_after = sample.bytes_received;
-    line_.faults += traffic_.faults();
+    line_.faults += traffic_.faults() + (sample.second ? second_traffic_.faults() : 0);
     line_.uploads += outcome.uploads.size();
     line_.sharp += outcome.resident_share;
     line_.deficit += outcome.mip_deficit;
@@ -55,7 +60,8 @@ void SessionMetrics::add(const FrameSample& sample) {
         .now_ms = now_ms,
         .needed = outcome.needed,
         .missing = outcome.missing,
-        .stale = traffic_.stale_pages(),
+        .stale = traffic_.stale_pages() + (sample.second ? second_traffic_.stale_pages() : 0),
+        .stalest = std::max(traffic_.stalest(), sample.second ? second_traffic_.stalest() : ClientTime{}),
         .lod_bias = outcome.lod_bias,
         .cache_pages = residency.cache().size(),
         .gpu_bytes = sample.gpu_bytes,
@@ -97,16 +103,19 @@ view::MetricsLine SessionMetrics::of(const Line& part) const {
     line.set_time_to_sharp_ms_p99(waits_.to_sharp().percentile(0.99));
 
     line.set_stale_visible_pages(count(last_.stale));
-    line.set_stale_oldest_ms(milliseconds(traffic_.stalest()));
+    line.set_stale_oldest_ms(milliseconds(last_.stalest));
     line.set_edits_seen(count(waits_.edit_to_visible().size()));
     line.set_edit_to_visible_ms_last(waits_.edit_to_visible().last());
     line.set_edit_to_visible_ms_p99(waits_.edit_to_visible().percentile(0.99));
     line.set_revision(last_.revision);
 
     line.set_requests(last_.counts.requested);
-    line.set_pages_received(traffic_.received());
-    line.set_pages_shown(traffic_.sampled());
-    line.set_over_fetch(traffic_.over_fetch());
+    // Of both halves, each of its own cache
+    const std::uint64_t received = traffic_.received() + second_traffic_.received(),
+                        shown = traffic_.sampled() + second_traffic_.sampled();
+    line.set_pages_received(received);
+    line.set_pages_shown(shown);
+    line.set_over_fetch(shown == 0 ? 1 : static_cast<double>(received) / static_cast<double>(shown));
     line.set_late_pages(last_.counts.late);
     line.set_unasked_pages(last_.counts.unasked);
     line.set_unchanged_pages(last_.counts.unchanged);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 
 #include "client/residency/residency.h"
@@ -20,6 +21,11 @@ struct FrameSample {
     FrameTime time;
     const ResidencyFrame& outcome;
     const Residency& residency;
+    /// Of a picture whose right half is of another cache: that, what it samples, and how many of the
+    /// outcome's uploads, the last ones, are its own.
+    const Residency* second = nullptr;
+    std::span<const NeededPage> second_sampled{};
+    std::size_t second_uploads = 0;
     double frame_ms = 0;   ///< From the frame before to this one; 0: unknown.
     double work_ms = 0;    ///< Deciding, uploading and drawing.
     double upload_ms = 0;  ///< Bringing pages and entries to the GPU.
@@ -56,7 +62,7 @@ class SessionMetrics {
     view::MetricsLine of(const Line& line) const;
 
     RollingTimes frame_times_{600};
-    PageTraffic traffic_;
+    PageTraffic traffic_, second_traffic_;
     Waits waits_;
     double median_ms_ = 0;  ///< Of frame_times_, some frames ago
     std::uint64_t frames_ = 0, hitches_ = 0;
@@ -67,6 +73,7 @@ class SessionMetrics {
     struct Last {
         double now_ms = 0;
         std::size_t needed = 0, missing = 0, stale = 0;
+        ClientTime stalest{};
         double lod_bias = 0;
         std::size_t cache_pages = 0, gpu_bytes = 0, in_flight = 0, credits = 0;
         double round_trip_ms = 0, waiting_ms = 0;

@@ -126,6 +126,33 @@ TEST_F(Session, TheLastLineIsReadUntilTheNextOneEnds) {
     EXPECT_EQ(metrics.last_line().frames_of_line(), 1u);
 }
 
+TEST_F(Session, HalvesOfOtherAccuracyCountEachTheirOwnPages) {
+    SimulatedStream other_stream{{.bytes_per_second = 10e6, .one_way_ms = 20}, blank};
+    Residency other{Extent{14}, other_stream, {.slots = 256}};
+    SessionMetrics both, whole;
+    for (int i = 0; i < 400; ++i) {
+        now += ClientTime{16};
+        stream.advance(now);
+        other_stream.advance(now);
+        // The same view in both, so that the same pages come to each
+        ResidencyFrame left = residency.update(PlaneView{camera, 320, 280}, now);
+        ResidencyFrame right = other.update(PlaneView{camera, 320, 280}, now);
+        whole.add({.camera = camera, .time = now, .outcome = left, .residency = residency});
+        const std::size_t uploads = right.uploads.size();
+        std::ranges::move(right.uploads, std::back_inserter(left.uploads));
+        both.add({.camera = camera,
+                  .time = now,
+                  .outcome = left,
+                  .residency = residency,
+                  .second = &other,
+                  .second_sampled = right.sampled,
+                  .second_uploads = uploads});
+    }
+    EXPECT_EQ(both.line().pages_received(), 2 * whole.line().pages_received());
+    EXPECT_EQ(both.line().pages_shown(), 2 * whole.line().pages_shown());
+    EXPECT_DOUBLE_EQ(both.line().over_fetch(), whole.line().over_fetch());
+}
+
 TEST_F(Session, PagesThatNoFrameShowedAreFetchedInVain) {
     frames_until_sharp();
     for (int i = 0; i < 60; ++i) frame();
