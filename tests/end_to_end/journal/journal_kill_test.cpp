@@ -54,7 +54,7 @@ TEST(JournalKill, EveryAcceptedEditIsThereOnceInOrder) {
             ChildProcess writer{JOURNAL_WRITER, {journal_folder.string(), accepted_file.string()}};
             // Some kills fall into opening
             if (kill % 10 != 9) {
-                ASSERT_EQ(writer.read_line(20s), "ready") << "after kill " << kill;
+                ASSERT_EQ(writer.read_line(60s), "ready") << "after kill " << kill;
                 // Edits are counted, so that as many are in on a slow disk
                 const std::size_t enough = (1 + random() % 16) * sizeof(Line);
                 for (int i = 0; i < 20'000 && std::filesystem::file_size(accepted_file) < enough; ++i)
@@ -62,7 +62,7 @@ TEST(JournalKill, EveryAcceptedEditIsThereOnceInOrder) {
             }
             std::this_thread::sleep_for(std::chrono::microseconds{random() % 40'000});
             writer.signal(SIGKILL);
-            writer.wait(10s);
+            writer.wait(60s);
         }
         for (const Line& line :
              std::filesystem::exists(accepted_file) ? lines_of(accepted_file) : std::vector<Line>{}) {

@@ -64,7 +64,7 @@ class EditProgram {
     }
     void signal(int number) const { ::kill(pid_, number); }
 
-    /// The next line of output; "" when there is none within twenty seconds.
+    /// The next line of output; "" when there is none within a minute.
     std::string line() {
         while (text_.find('\n') == std::string::npos)
             if (!read_more(out_, text_)) return "";
@@ -102,7 +102,7 @@ class EditProgram {
   private:
     static bool read_more(int file, std::string& text) {
         pollfd ready{file, POLLIN, 0};
-        if (::poll(&ready, 1, 20'000) <= 0) return false;
+        if (::poll(&ready, 1, 60'000) <= 0) return false;
         char block[4096];
         const ssize_t count = ::read(file, block, sizeof block);
         if (count > 0) text.append(block, static_cast<std::size_t>(count));

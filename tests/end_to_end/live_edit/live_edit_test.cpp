@@ -48,7 +48,9 @@ Said say(const std::string& url, std::vector<std::string> words) {
 TEST(LiveEdit, WhoWatchesSeesWhatTheOtherDoes) {
     const LiveScene scene;
     Program server{scene.arguments()};
-    const std::string url = url_of(server.port());
+    const std::uint16_t port = server.port();
+    ASSERT_NE(port, 0) << server.errors();
+    const std::string url = url_of(port);
     EditProgram watcher{{url, "sprites", "--name", "Grace", "watch", "--edits", "3"}};
     EXPECT_NE(watcher.line_with("\"hello\""), "");
 
@@ -59,6 +61,7 @@ TEST(LiveEdit, WhoWatchesSeesWhatTheOtherDoes) {
     EXPECT_EQ(moved.exit_code, 0) << moved.errors;
     const proto::ServerMessage answer = message_in(moved.output);
     EXPECT_EQ(answer.edit_done().answer().revision(), 2u);
+    ASSERT_EQ(answer.edit_done().answer().inverse().changes_size(), 1);
     EXPECT_EQ(answer.edit_done().answer().inverse().changes(0).move_sprite().x(), 100);
     std::ofstream{scene.file("done.jsonl")} << moved.output;
     const Said undone = say(url, {"undo", scene.file("done.jsonl").string()});
@@ -72,7 +75,7 @@ TEST(LiveEdit, WhoWatchesSeesWhatTheOtherDoes) {
         has_stale = has_stale || told.invalidation().stale_size() > 0;
         if (!told.has_edit_done()) continue;
         revisions.insert(told.edit_done().answer().revision());
-        EXPECT_EQ(told.edit_done().changes_size(), 1);
+        ASSERT_EQ(told.edit_done().changes_size(), 1);
         if (told.edit_done().answer().revision() == 1) {
             EXPECT_EQ(told.edit_done().author(), "Ada");
             EXPECT_EQ(told.edit_done().changes(0).place_sprite().id(), 7u);
@@ -86,7 +89,9 @@ TEST(LiveEdit, WhoWatchesSeesWhatTheOtherDoes) {
 TEST(LiveEdit, SaysWhatIsWrong) {
     const LiveScene scene;
     Program server{scene.arguments()};
-    const std::string url = url_of(server.port());
+    const std::uint16_t port = server.port();
+    ASSERT_NE(port, 0) << server.errors();
+    const std::string url = url_of(port);
     const Said nobody = say(url, {"move", "9", "1", "1"});
     EXPECT_EQ(nobody.exit_code, 3);
     EXPECT_THAT(nobody.errors, HasSubstr("move sprite 9 to (1, 1): wrong: "));
@@ -111,6 +116,7 @@ TEST(LiveEdit, EveryLineIsInOnceThoughTheServerIsKilledInBetween) {
     const LiveScene scene;
     auto server = std::make_unique<Program>(scene.arguments());
     const std::uint16_t port = server->port();
+    ASSERT_NE(port, 0) << server->errors();
     const std::string url = url_of(port);
     EditProgram watcher{{url, "sprites", "watch"}};
     EXPECT_NE(watcher.line_with("\"hello\""), "");
@@ -149,6 +155,7 @@ TEST(LiveEdit, EveryLineIsInOnceThoughTheServerIsKilledInBetween) {
     const Said moved = say(url, {"--json", "move", "1", "9", "9"});
     const proto::EditAnswer last = message_in(moved.output).edit_done().answer();
     EXPECT_EQ(last.revision(), std::uint64_t{most} + 1);
+    ASSERT_EQ(last.inverse().changes_size(), 1);
     EXPECT_EQ(last.inverse().changes(0).move_sprite().x(), most - 1) << "the last line is the last edit";
     // Who watched was told that the stream went on where it was
     EXPECT_NE(watcher.line_with("\"goodbye\""), "");

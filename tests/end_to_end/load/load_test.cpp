@@ -26,7 +26,7 @@ class Load : public testing::Test {
         server_ = std::make_unique<ChildProcess>(
             TESSERA_PROGRAM, std::vector<std::string>{"serve", "--scenes", (folder_ / "scenes").string(),
                                                       "--listen", "127.0.0.1:0"});
-        const std::string line = server_->read_line(20s);
+        const std::string line = server_->read_line(60s);
         const std::string announcement = "tessera: listening on ";
         ASSERT_EQ(line.substr(0, announcement.size()), announcement);
         url_ = line.substr(announcement.size());
@@ -45,8 +45,8 @@ class Load : public testing::Test {
     }
 
     static Fields result_of(ChildProcess& load, int expected_exit) {
-        const std::string text = load.read_all(30s);
-        EXPECT_EQ(load.wait(5s), expected_exit) << text;
+        const std::string text = load.read_all(60s);
+        EXPECT_EQ(load.wait(60s), expected_exit) << text;
         google::protobuf::Struct document;
         const auto read = read_json(text, "the result", document);
         EXPECT_TRUE(read) << read.error().detail;
@@ -96,7 +96,7 @@ TEST_F(Load, ReplaysTheCameraPathsOfTheViewer) {
     EXPECT_GT(number(result, "levels", "1"), 0);
     std::ofstream{path} << R"({"keys": []})";
     ChildProcess broken = start({"--walk", "camera", "--camera", path});
-    EXPECT_EQ(broken.wait(10s), 2);
+    EXPECT_EQ(broken.wait(60s), 2);
 }
 
 TEST_F(Load, FailsItsAssertionsWithThree) {
@@ -104,9 +104,9 @@ TEST_F(Load, FailsItsAssertionsWithThree) {
 }
 
 TEST_F(Load, SaysThatThereIsNoSuchSceneAndThatNobodyListens) {
-    EXPECT_EQ(start({}, "chequer").wait(10s), 1);
+    EXPECT_EQ(start({}, "chequer").wait(60s), 1);
     server_.reset();
-    EXPECT_EQ(start({}).wait(10s), 1);
+    EXPECT_EQ(start({}).wait(60s), 1);
 }
 
 TEST_F(Load, GivesTheFiguresSoFarWhenItIsInterrupted) {

@@ -26,6 +26,8 @@ namespace tessera::test {
 class Program {
   public:
     using Clock = std::chrono::steady_clock;
+    /// A program that nobody ran lately comes from the disk, which takes many seconds where that is slow.
+    static constexpr std::chrono::seconds patience{60};
 
     /// `folder`: where it starts, unless empty.
     explicit Program(std::vector<std::string> arguments, const std::string& folder = {}) {
@@ -77,7 +79,7 @@ class Program {
     /// Whether the program comes to take this signal itself, which would end it before.
     bool waits_for(int number) const {
         const auto has = [](std::uint64_t mask, int signal) { return (mask >> (signal - 1) & 1) != 0; };
-        for (const auto until = Clock::now() + std::chrono::seconds{10}; Clock::now() < until;) {
+        for (const auto until = Clock::now() + patience; Clock::now() < until;) {
             std::ifstream status{"/proc/" + std::to_string(pid_) + "/status"};
             for (std::string text; std::getline(status, text);) {
                 if (!text.starts_with("SigBlk:")) continue;
@@ -109,12 +111,13 @@ class Program {
 
   private:
     static std::string read_until(int file, std::string& text, const std::string& mark) {
-        const auto until = Clock::now() + std::chrono::seconds{10};
+        const auto until = Clock::now() + patience;
         for (;;) {
             if (const std::size_t at = text.find(mark); at != std::string::npos)
                 return text.substr(0, at + mark.size());
             pollfd ready{file, POLLIN, 0};
-            if (Clock::now() > until || ::poll(&ready, 1, 10'000) <= 0) return {};
+            if (Clock::now() > until || ::poll(&ready, 1, 1000 * static_cast<int>(patience.count())) <= 0)
+                return {};
             char block[4096];
             const ssize_t count = ::read(file, block, sizeof block);
             if (count <= 0) return {};
