@@ -30,7 +30,8 @@ BENCHMARK(walk)
     ->ArgsProduct({{0, 1, 2, 3, 4}, {12, 40, 80}})
     ->Unit(benchmark::kMicrosecond);
 
-/// Of hills, which hide each other. Their mesh is kept from one walk to the next here: the camera stands still.
+/// Of hills, which hide each other. Their mesh is kept from one walk to the next here: the camera stands
+/// still.
 void walk_terrain(benchmark::State& state) {
     const Sampling sampling = samplings[static_cast<std::size_t>(state.range(0))];
     const Camera camera{.ground = {1'234'567'890, 987'654'321, 0.5, 0.5},
