@@ -164,6 +164,12 @@ TEST_F(DocumentEdits, ReloadsInTheMiddleLoseNothing) {
         animation.set_step(40);
         animation.set_density(2);
         EXPECT_EQ(answer_in(*send(client, last)).revision(), 13u);
+        // More reloads than were asked for before: the last word is of files as they are now
+        for (int i = 0; i < 8; ++i) {
+            program.forget();
+            program.signal(SIGHUP);
+            ASSERT_TRUE(program.says("reloaded: 1 scenes"));
+        }
         lived = pages(client);
         for (const Reply& reply : lived) ASSERT_EQ(reply.status, 200) << reply.body;
         client.close();

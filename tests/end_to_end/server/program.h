@@ -74,6 +74,8 @@ class Program {
         return static_cast<std::uint16_t>(std::atoi(text.c_str() + text.rfind(':') + 1));
     }
     bool says(const std::string& text) { return read_until(err_, err_text_, text).size() > 0; }
+    /// What it said so far is not found any more.
+    void forget() { err_text_.clear(); }
     const std::string& errors() const { return err_text_; }
 
     /// Whether the program comes to take this signal itself, which would end it before.
