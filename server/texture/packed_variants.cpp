@@ -56,17 +56,9 @@ class Evenness {
         for (std::int32_t& value : exemplar_) value -= mean;
         for (const std::int32_t value : tile_) squares += std::int64_t{value} * value;
         variance_ = std::max<std::int64_t>(1, squares / std::ssize(tile_));
-        std::size_t texels = 0;
         for (std::size_t shape = 0; shape < shapes.size(); ++shape) {
-            const ExchangeAsset::Patch& patch = asset.patches[shapes[shape].patch];
-            texels += std::size_t(patch.width) * std::size_t(patch.height);
-        }
-        if (texels > most_listed) return;
-        for (std::size_t shape = 0; shape < shapes.size(); ++shape) {
-            find_texels(shape, [&](std::size_t place, std::int32_t step) {
-                texels_.push_back({static_cast<std::uint32_t>(place), step});
-            });
-            ends_.push_back(texels_.size());
+            find_runs(shape);
+            ends_.push_back(runs_.size());
         }
     }
 
@@ -77,9 +69,10 @@ class Evenness {
         std::vector<std::uint64_t> worths;
         for (const Piece& piece : pieces) {
             std::int64_t gain = 0;
-            for_each_texel(piece.shape, [&](std::size_t place, std::int32_t step) {
-                gain -= std::int64_t{sums_[place]} * step;
-            });
+            for (const Run& run : runs_of(piece.shape))
+                for (std::uint32_t i = 0; i < run.texels; ++i)
+                    gain -=
+                        std::int64_t{sums_[run.place + i]} * (exemplar_[run.from + i] - tile_[run.place + i]);
             const std::int64_t texels =
                 piece.texels.texels + doubled * gain / (variance_ * std::max<std::int64_t>(occurrences_, 1));
             worths.push_back(
@@ -93,7 +86,7 @@ class Evenness {
         occurrences_ += tiles;
         for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i] += tiles * tile_[i];
         for (const Shown& shown : list)
-            for_each_texel(shown.shape, [&](std::size_t place, std::int32_t step) { sums_[place] += step; });
+            for (const Run& run : runs_of(shown.shape)) add(run);
     }
 
   private:
@@ -105,33 +98,43 @@ class Evenness {
         return out;
     }
 
-    /// A place on the tile, and how much lighter a shape's texel is there. They are looked at once for each
-    /// batch of units: listed, unless the patches are very large.
-    struct Texel {
-        std::uint32_t place = 0;
-        std::int32_t step = 0;
+    /// Texels of a shape that follow each other on the tile and in the exemplar.
+    struct Run {
+        std::uint32_t place = 0, from = 0;  ///< The first one's number on the tile and in the exemplar.
+        std::uint32_t texels = 0;
     };
-    static constexpr std::size_t most_listed = std::size_t{1} << 24;
 
-    template <class Call>
-    void for_each_texel(std::size_t shape, Call&& call) const {
-        if (ends_.empty()) return find_texels(shape, call);
-        for (std::size_t i = shape == 0 ? 0 : ends_[shape - 1]; i < ends_[shape]; ++i)
-            call(texels_[i].place, texels_[i].step);
+    std::span<const Run> runs_of(std::size_t shape) const {
+        const std::size_t begin = shape == 0 ? 0 : ends_[shape - 1];
+        return {runs_.data() + begin, ends_[shape] - begin};
     }
-    template <class Call>
-    void find_texels(std::size_t shape, Call&& call) const {
+
+    /// How much lighter the shape's texels are than the tile.
+    void add(const Run& run) {
+        std::int32_t* sum = sums_.data() + run.place;
+        const std::int32_t* tile = tile_.data() + run.place;
+        const std::int32_t* light = exemplar_.data() + run.from;
+        for (std::uint32_t i = 0; i < run.texels; ++i) sum[i] += light[i] - tile[i];
+    }
+
+    void find_runs(std::size_t shape) {
         const ExchangeAsset::Patch& patch = asset_.patches[shapes_[shape].patch];
         const auto& content = patch.contents[shapes_[shape].content];
-        const std::int32_t wrap = asset_.tile_side - 1;
+        const std::int32_t side = asset_.tile_side, wrap = side - 1;
         for (std::int32_t y = 0; y < patch.height; ++y) {
-            const std::size_t row = std::size_t((patch.y + y) & wrap) * std::size_t(asset_.tile_side);
-            const std::int32_t* light =
-                exemplar_.data() + std::ptrdiff_t{content.at.y + y} * asset_.exemplar.width + content.at.x;
-            for (std::int32_t x = 0; x < patch.width; ++x) {
-                if (!content.shape.at(x, y)) continue;
-                const std::size_t place = row + std::size_t((patch.x + x) & wrap);
-                call(place, light[x] - tile_[place]);
+            const std::int32_t row = ((patch.y + y) & wrap) * side;
+            const std::int32_t line = (content.at.y + y) * asset_.exemplar.width + content.at.x;
+            for (std::int32_t x = 0; x < patch.width;) {
+                if (!content.shape.at(x, y)) {
+                    ++x;
+                    continue;
+                }
+                const std::int32_t first = x, column = (patch.x + x) & wrap;
+                const std::int32_t most = std::min(patch.width, first + side - column);
+                while (x < most && content.shape.at(x, y)) ++x;
+                runs_.push_back({static_cast<std::uint32_t>(row + column),
+                                 static_cast<std::uint32_t>(line + first),
+                                 static_cast<std::uint32_t>(x - first)});
             }
         }
     }
@@ -140,7 +143,7 @@ class Evenness {
     const Shapes& shapes_;
     std::vector<std::int32_t> tile_, exemplar_;  ///< Lightness less the exemplar's mean, in codes.
     std::vector<std::int32_t> sums_;
-    std::vector<Texel> texels_;      ///< Shape by shape, …
+    std::vector<Run> runs_;          ///< Shape by shape, …
     std::vector<std::size_t> ends_;  ///< … up to here.
     std::int64_t variance_ = 1, occurrences_ = 0;
 };
