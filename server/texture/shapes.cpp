@@ -8,28 +8,25 @@ namespace {
 /// Sums over the (2·radius + 1)² texels around each texel of the mask grown by the radius.
 std::vector<std::uint32_t> counts_around(const BitMask& mask, std::int32_t radius) {
     const std::int32_t width = mask.width + 2 * radius, height = mask.height + 2 * radius;
-    // A table of sums from the top left, one row and column of zeros before it
-    const std::size_t stride = std::size_t(mask.width) + 1;
-    std::vector<std::uint32_t> sums(stride * (std::size_t(mask.height) + 1));
-    for (std::int32_t y = 0; y < mask.height; ++y) {
-        std::uint32_t row = 0;
-        for (std::int32_t x = 0; x < mask.width; ++x) {
-            row += mask.at(x, y) ? 1 : 0;
-            const std::size_t i = std::size_t(y + 1) * stride + std::size_t(x + 1);
-            sums[i] = sums[i - stride] + row;
+    const std::int32_t before = 2 * radius + 1;
+    // What the window's rows hold of each column, with as many columns of zeros on both sides
+    std::vector<std::uint32_t> columns(std::size_t(before + mask.width + before));
+    const auto add = [&](std::int32_t y, std::uint32_t sign) {
+        if (y < 0 || y >= mask.height) return;
+        for (std::int32_t x = 0; x < mask.width; ++x)
+            columns[std::size_t(before + x)] += mask.at(x, y) ? sign : 0;
+    };
+    std::vector<std::uint32_t> counts(std::size_t(width) * std::size_t(height));
+    std::uint32_t* count = counts.data();
+    for (std::int32_t y = 0; y < height; ++y) {
+        add(y, 1);
+        add(y - before, ~std::uint32_t{0});  // wraps round: one less
+        std::uint32_t sum = 0;
+        for (std::size_t x = 0; x < std::size_t(width); ++x) {
+            sum += columns[x + std::size_t(before)] - columns[x];
+            *count++ = sum;
         }
     }
-    std::vector<std::uint32_t> counts;
-    counts.reserve(std::size_t(width) * std::size_t(height));
-    for (std::int32_t y = 0; y < height; ++y)
-        for (std::int32_t x = 0; x < width; ++x) {
-            const auto left = std::size_t(std::clamp(x - 2 * radius, 0, mask.width));
-            const auto right = std::size_t(std::clamp(x + 1, 0, mask.width));
-            const auto top = std::size_t(std::clamp(y - 2 * radius, 0, mask.height));
-            const auto bottom = std::size_t(std::clamp(y + 1, 0, mask.height));
-            counts.push_back(sums[bottom * stride + right] - sums[top * stride + right] -
-                             sums[bottom * stride + left] + sums[top * stride + left]);
-        }
     return counts;
 }
 

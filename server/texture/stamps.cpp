@@ -24,23 +24,25 @@ struct Box {
     }
 };
 
-/// Σ weight·(content − tile), in steps times weight_one.
-Box level_0_stamp(const Shapes& shapes, const Shapes::Shape& shape, const TexelSource& exemplar,
+/// Σ weight·(content − tile), in steps times weight_one, summed over the texels of level 1.
+Box level_1_stamp(const Shapes& shapes, const Shapes::Shape& shape, const TexelSource& exemplar,
                   const TexelSource& tile) {
-    Box box{shape.x, shape.y, shape.x + shape.width, shape.y + shape.height};
+    Box box{shape.x >> 1, shape.y >> 1, (shape.x + shape.width + 1) >> 1, (shape.y + shape.height + 1) >> 1};
     const std::int32_t wrap = tile.height() - 1;
     for (std::int32_t y = 0; y < shape.height; ++y) {
-        std::int64_t* out = box.row(shape.y + y);
-        for (const Shapes::Segment& segment : shapes.row(shape, y))
+        std::int64_t* out = box.row((shape.y + y) >> 1);
+        for (const Shapes::Segment& segment : shapes.row(shape, y)) {
+            const std::uint16_t* weights =
+                segment.weights == Shapes::Segment::all_one ? nullptr : shapes.weights(segment);
             for (std::int32_t x = segment.begin; x < segment.end; ++x) {
-                const std::int64_t weight = segment.weights == Shapes::Segment::all_one
-                                                ? std::int64_t{Shapes::weight_one}
-                                                : shapes.weights(segment)[x - segment.begin];
+                const std::int64_t weight =
+                    weights == nullptr ? Shapes::weight_one : weights[x - segment.begin];
+                std::int64_t* to = out + std::ptrdiff_t{((shape.x + x) >> 1) - box.x} * 3;
                 for (std::int32_t c = 0; c < 3; ++c)
-                    out[x * 3 + c] =
-                        weight * (std::int64_t{exemplar.step(shape.from_x + x, shape.from_y + y, c)} -
-                                  tile.step((shape.x & wrap) + x, (shape.y + y) & wrap, c));
+                    to[c] += weight * (std::int64_t{exemplar.step(shape.from_x + x, shape.from_y + y, c)} -
+                                       tile.step((shape.x & wrap) + x, (shape.y + y) & wrap, c));
             }
+        }
     }
     return box;
 }
@@ -201,9 +203,9 @@ Stamps::Stamps(const Shapes& shapes, const StampSpans& spans, const TexelSource&
     for (int level = 1; level <= tile_level; ++level)
         levels_[std::size_t(level)].resize(spans.level(level).floats + 16);  // kernels read whole vectors
     for (std::size_t s = 0; s < shapes.size(); ++s) {
-        Box box = level_0_stamp(shapes, shapes[s], exemplar, repeated_tile);
+        Box box = level_1_stamp(shapes, shapes[s], exemplar, repeated_tile);
         for (int level = 1; level <= tile_level; ++level) {
-            box = halved(box);
+            if (level > 1) box = halved(box);
             pack(box, level, spans.level(level), s, levels_[std::size_t(level)]);
         }
     }

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "shared/math/srgb.h"
-
 namespace tessera {
 namespace {
 
@@ -48,10 +46,6 @@ TexelSource TexelSource::repeated(std::int32_t to_width) const {
     out.codes_ = repeat_rows(codes_, width_, height_, to_width);
     out.steps_ = repeat_rows(steps_, width_, height_, to_width);
     return out;
-}
-
-std::uint16_t TexelSource::step(std::int32_t x, std::int32_t y, std::int32_t channel) const noexcept {
-    return has_codes() ? srgb_to_steps[code_row(y)[x * 4 + channel]] : step_row(y)[x * 4 + channel];
 }
 
 }  // namespace tessera

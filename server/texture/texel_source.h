@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "server/texture/exchange.h"
+#include "shared/math/srgb.h"
 
 namespace tessera {
 
@@ -33,7 +34,9 @@ class TexelSource {
     const std::uint16_t* step_row(std::int32_t y) const noexcept {
         return steps_.data() + std::size_t(y) * std::size_t(width_) * 4;
     }
-    std::uint16_t step(std::int32_t x, std::int32_t y, std::int32_t channel) const noexcept;
+    std::uint16_t step(std::int32_t x, std::int32_t y, std::int32_t channel) const noexcept {
+        return has_codes() ? srgb_to_steps[code_row(y)[x * 4 + channel]] : step_row(y)[x * 4 + channel];
+    }
 
     std::size_t memory_bytes() const noexcept {
         return codes_.size() + steps_.size() * sizeof(std::uint16_t);
