@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <bit>
+#include <cstring>
 #include <utility>
 
 namespace tessera {
@@ -78,22 +79,43 @@ StillRuns::Row StillRuns::row_of(std::int64_t y) const noexcept {
     return {map_->values.data() + j * map_->width, static_cast<std::size_t>(j * parts_in_row_), blank};
 }
 
+std::uint64_t StillRuns::begins_of(const Row& row, std::int64_t from, std::int64_t end) const {
+    const std::int32_t* values = row.values + from;
+    const auto count = static_cast<std::size_t>(end - from);
+    // Kinds change where values do, and nearly always few do: compared a group at a time
+    constexpr std::size_t group = 16;
+    std::uint64_t changes = 1;
+    for (std::size_t i = 1; i < count; i += group) {
+        const std::size_t more = std::min(group, count - i);
+        if (std::memcmp(values + i, values + i - 1, more * sizeof *values) == 0) continue;
+        for (std::size_t j = i; j < i + more; ++j) changes |= std::uint64_t{values[j] != values[j - 1]} << j;
+    }
+    const std::uint64_t all = ~std::uint64_t{0} >> (word_bits - count);
+    Kind last = from > 0 ? kind_of(values[-1]) : other;
+    std::uint64_t begins = from == 0 ? 1 : 0;
+    // From change to change all are of one kind
+    for (std::uint64_t left = changes; left != 0;) {
+        const int i = std::countr_zero(left);
+        left &= left - 1;
+        const Kind kind = kind_of(values[i]);
+        if (kind != last) begins |= std::uint64_t{1} << i;
+        if (kind == other)
+            begins |= all & ~std::uint64_t{0} << i &
+                      (left == 0 ? ~std::uint64_t{0} : (std::uint64_t{1} << std::countr_zero(left)) - 1);
+        last = kind;
+    }
+    return begins;
+}
+
 const StillRuns::Part& StillRuns::part_of(const Row& row, std::int64_t number) const {
     std::atomic<const Part*>& place = parts_->all[row.first_part + static_cast<std::size_t>(number)];
     if (const Part* known = place.load(std::memory_order_acquire)) return *known;
     auto part = std::make_unique<Part>();
     const std::int64_t first = number * part_bits,
                        end = std::min<std::int64_t>(first + part_bits, map_->width);
-    Kind last = first > 0 ? kind_of(row.values[first - 1]) : other;
-    std::int64_t i = first;
-    for (std::uint64_t& word : part->begins) {
-        std::uint64_t bits = 0;
-        for (const std::int64_t word_end = std::min(i + word_bits, end); i < word_end; ++i) {
-            const Kind kind = kind_of(row.values[i]);
-            bits |= std::uint64_t{kind != last || kind == other || i == 0} << (i % word_bits);
-            last = kind;
-        }
-        word = bits;
+    for (std::size_t word = 0; word < part_words; ++word) {
+        const std::int64_t from = first + static_cast<std::int64_t>(word) * word_bits;
+        if (from < end) part->begins[word] = begins_of(row, from, std::min(from + word_bits, end));
     }
     // Others may have been as fast
     const Part* nobody = nullptr;

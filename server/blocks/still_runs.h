@@ -43,6 +43,8 @@ class StillRuns {
   private:
     struct Part;
     struct Parts;
+    /// A bit for each of the entries [from, end), at most 64.
+    std::uint64_t begins_of(const Row& row, std::int64_t from, std::int64_t end) const;
     const Part& part_of(const Row& row, std::int64_t part) const;
     /// The first begin of a run between entries i and `end`, both excluded; `end` if there is none.
     std::int64_t next_begin(const Row& row, std::int64_t i, std::int64_t end) const;

@@ -37,7 +37,7 @@ class CellLooks {
                         .count = std::min(at_once, width_ - from),
                         .z = z_,
                         .step = step_,
-                        .validity = watch_ != nullptr ? &watch_->frames() : &validity_,
+                        .validity = watch_ != nullptr ? watch_->frames() : &validity_,
                         .parameter = parameter_,
                         .targets = targets_};
             if (!types_.types.empty()) row.types = types_.row(y) + (x_ - types_.x) + from;

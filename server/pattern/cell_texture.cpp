@@ -237,7 +237,7 @@ class DrawnCells final : public PatternTexture {
                             .count = std::min(at_once, width_ - from),
                             .z = z_,
                             .step = at_.step,
-                            .validity = &watch_.frames(),
+                            .validity = watch_.frames(),
                             .parameter = at_.parameter,
                             .targets = at_.targets};
                 if (!types_.types.empty()) row.types = types_.row(y) + (x_ - types_.x) + from;

@@ -25,9 +25,12 @@ class ScrollWatch {
           scrolls_{program.scroll().cells != 0},
           seen_{program.scroll().cells} {
         if (!scrolls_) return;
+        frames_ = program.scroll().at(of.step).validity;
+        // In a shift of one step none can change, and asking each cell how long it stays would tell nothing
+        narrows_ = program.scroll().steps > 1;
+        if (!narrows_) return;
         // How long frames are shown beyond a shift does not matter, but that they are
-        const Validity in_shift = program.scroll().at(of.step).validity;
-        frames_ = {add_steps(in_shift.from, -1), add_steps(in_shift.until, 1)};
+        frames_ = {add_steps(frames_.from, -1), add_steps(frames_.until, 1)};
     }
 
     /// A row of them, or a part of it: patterns, or looks.
@@ -35,8 +38,9 @@ class ScrollWatch {
     void see(std::int64_t x, std::int64_t y, std::span<const Cell> row) {
         if (scrolls_) seen_.see(x, y, row);
     }
-    /// To be narrowed to the steps in which all cells keep their frames where they stand.
-    Validity& frames() noexcept { return frames_; }
+    /// To be narrowed to the steps in which all cells keep their frames where they stand; null where nobody
+    /// needs to know.
+    Validity* frames() noexcept { return narrows_ ? &frames_ : nullptr; }
     /// Once all rows were seen.
     Validity interval() const { return scrolls_ ? program_.through_shifts(block_, seen_, frames_) : frames_; }
 
@@ -44,6 +48,7 @@ class ScrollWatch {
     const CellProgram& program_;
     CellBlock block_;
     bool scrolls_;
+    bool narrows_ = true;
     Validity frames_;
     SeenCells seen_;
 };
