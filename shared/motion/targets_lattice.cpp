@@ -362,7 +362,6 @@ void TargetDistance::narrow(const MotionLattice& places, Step step, Validity& va
     for (const std::int64_t reach : reach_)
         rings += std::min(2 * static_cast<double>(reach) / static_cast<double>(places.spacing) + 1,
                           static_cast<double>(places.rows));
-    rings *= static_cast<double>(near.size());
     const auto soon =
         static_cast<std::int64_t>(std::min(4 * static_cast<double>(places.spacing) / rings / speed, 1e15));
     Validity found;
