@@ -47,6 +47,13 @@ bool is_loopback(const PageSocket& socket) {
     return !failure && peer.address().is_loopback();
 }
 
+/// Where the first LF without a CR is, from `at` on; npos if there is none.
+std::size_t bare_line_end(std::string_view text, std::size_t at) noexcept {
+    for (at = text.find('\n', at); at != std::string_view::npos; at = text.find('\n', at + 1))
+        if (at == 0 || text[at - 1] != '\r') return at;
+    return at;
+}
+
 Task<void> pass(std::chrono::milliseconds time) {
     Timer timer{co_await asio::this_coro::executor, time};
     co_await timer.async_wait(as_tuple);
@@ -103,7 +110,8 @@ Task<void> Session::serve() {
     }
 }
 
-/// Reads until `input_` begins with a whole header, whose length is `head_bytes`.
+/// Reads until `input_` begins with a whole header, or with one that is none whatever comes: of a length of
+/// `head_bytes`.
 Task<Session::ReadEnd> Session::read_head(std::size_t& head_bytes) {
     const SessionLimits& limits = context_.limits;
     std::size_t searched = 0;
@@ -114,6 +122,11 @@ Task<Session::ReadEnd> Session::read_head(std::size_t& head_bytes) {
         const std::size_t end = input_.find("\r\n\r\n", searched);
         if (end != std::string::npos) {
             head_bytes = end + 4;
+            co_return ReadEnd::complete;
+        }
+        // After a line that ends in LF alone nobody knows what will come: RequestHead refuses it as it is
+        if (const std::size_t line = bare_line_end(input_, searched); line != std::string::npos) {
+            head_bytes = line + 1;
             co_return ReadEnd::complete;
         }
         if (input_.size() >= limits.head_bytes) co_return ReadEnd::too_long;
