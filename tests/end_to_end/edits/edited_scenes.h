@@ -9,12 +9,12 @@
 
 #include "proto/edit.pb.h"
 
-#include "server/journal/edit_id.h"
 #include "server/scene/png_file.h"
 #include "shared/math/hash.h"
 #include "shared/wire/json.h"
 #include "tests/end_to_end/server/program.h"
 #include "tests/end_to_end/server/raw_client.h"
+#include "tests/support/made_edits.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tessera::test {
@@ -66,21 +66,6 @@ inline proto::EditAnswer answer_in(const Reply& reply) {
     proto::EditAnswer answer;
     EXPECT_TRUE(read_json(reply.body, "answer", answer));
     return answer;
-}
-
-inline proto::Edit new_edit() {
-    proto::Edit edit;
-    edit.set_id(to_string(random_edit_id()));
-    return edit;
-}
-
-inline proto::Edit placing(std::uint64_t id, double x, double y) {
-    proto::Edit edit = new_edit();
-    proto::SpritePlacement& sprite = *edit.add_changes()->mutable_place_sprite();
-    sprite.set_id(id);
-    sprite.set_x(x);
-    sprite.set_y(y);
-    return edit;
 }
 
 }  // namespace tessera::test

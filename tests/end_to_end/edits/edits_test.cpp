@@ -108,12 +108,8 @@ TEST_F(Edits, WhatIsWrongIsNamedAndTheConnectionGoesOn) {
 /// An edit that is always possible: sprites 1 to 30 are there from the start.
 proto::Edit random_move(std::uint64_t n) {
     const auto draw = [&](std::uint64_t what) { return hash(9, what, static_cast<std::int64_t>(n), 0); };
-    proto::Edit edit = new_edit();
-    proto::SpriteMove& move = *edit.add_changes()->mutable_move_sprite();
-    move.set_id(1 + draw(1) % 30);
-    move.set_x(static_cast<double>(draw(2) % 65536) / 64);
-    move.set_y(static_cast<double>(draw(3) % 65536) / 64);
-    return edit;
+    return moving(1 + draw(1) % 30, static_cast<double>(draw(2) % 65536) / 64,
+                  static_cast<double>(draw(3) % 65536) / 64);
 }
 
 TEST_F(Edits, EveryEditThatWasAcknowledgedIsThereOnceAfterFiftyKills) {

@@ -5,13 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "proto/edit.pb.h"
-
-#include "server/journal/edit_id.h"
 #include "server/scene/scene.h"
 #include "server/sprites/sprite_texture.h"
 #include "server/texture/constant_texture.h"
 #include "shared/math/hash.h"
+#include "tests/support/made_edits.h"
 
 namespace tessera {
 
@@ -28,37 +26,6 @@ inline ScenePtr made_scene() {
     scene->sprite_images = std::make_shared<const SpriteImages>(patterns, std::size_t{1} << 20);
     scene->texture = make_sprite_texture(scene->ground, scene->sprite_images, scene->sprites);
     return scene;
-}
-
-inline proto::Edit new_edit() {
-    proto::Edit edit;
-    edit.set_id(to_string(random_edit_id()));
-    return edit;
-}
-
-inline proto::Edit placing(std::uint64_t id, double x, double y, std::uint32_t pattern = 0) {
-    proto::Edit edit = new_edit();
-    proto::SpritePlacement& sprite = *edit.add_changes()->mutable_place_sprite();
-    sprite.set_id(id);
-    sprite.set_x(x);
-    sprite.set_y(y);
-    sprite.set_pattern(pattern);
-    return edit;
-}
-
-inline proto::Edit moving(std::uint64_t id, double x, double y) {
-    proto::Edit edit = new_edit();
-    proto::SpriteMove& move = *edit.add_changes()->mutable_move_sprite();
-    move.set_id(id);
-    move.set_x(x);
-    move.set_y(y);
-    return edit;
-}
-
-inline proto::Edit removing(std::uint64_t id) {
-    proto::Edit edit = new_edit();
-    edit.add_changes()->mutable_remove_sprite()->set_id(id);
-    return edit;
 }
 
 /// Texels of [0, side)² of a level.
