@@ -30,7 +30,7 @@ class SceneDocument {
   public:
     /// `folder`/scene.json holds `message`.
     SceneDocument(std::filesystem::path folder, const proto::Scene& message);
-    ~SceneDocument();
+    virtual ~SceneDocument();
 
     /// As the file says, without its sprites.
     const std::shared_ptr<const proto::Scene>& message() const noexcept { return message_; }
@@ -41,7 +41,7 @@ class SceneDocument {
 
     /// Everything of a scene but its sprites and its names: texture, what moves, clock, editable_maps.
     /// Errors: as of load_scene().
-    Result<void> compile(const proto::Scene& message, const PaintedMaps& painted, Scene& scene) const;
+    virtual Result<void> compile(const proto::Scene& message, const PaintedMaps& painted, Scene& scene) const;
 
   private:
     std::filesystem::path folder_;
