@@ -14,8 +14,8 @@
 #include "client/edit/edit_json.h"
 #include "client/edit/edit_lines.h"
 #include "client/edit/edit_words.h"
-#include "client/link/edit_id.h"
 #include "client/link/stream_client.h"
+#include "shared/revisions/edit_id.h"
 
 namespace tessera {
 
@@ -164,7 +164,7 @@ class Run final : public StreamListener {
     /// `where`: the line that it came from; "": the command line.
     void make(proto::Edit edit, const std::string& where) {
         ++under_way_;
-        if (edit.id().empty()) edit.set_id(new_edit_id());
+        if (edit.id().empty()) edit.set_id(to_string(random_edit_id()));
         client_->edit(edit, [this, edit, where](const EditFate& fate) {
             --under_way_;
             if (const auto* answer = std::get_if<proto::EditAnswer>(&fate)) {

@@ -14,7 +14,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 
-#include "client/link/edit_id.h"
+#include "shared/revisions/edit_id.h"
 
 namespace tessera {
 
@@ -70,7 +70,7 @@ class BackgroundStreamClient::Worker final : public StreamListener {
         asio::post(context_, [this, presence] { client_->be_present(presence); });
     }
     std::string edit(proto::Edit edit) {
-        if (edit.id().empty()) edit.set_id(new_edit_id());
+        if (edit.id().empty()) edit.set_id(to_string(random_edit_id()));
         std::string id = edit.id();
         asio::post(context_, [this, edit = std::move(edit)]() mutable {
             const std::string edit_id = edit.id();

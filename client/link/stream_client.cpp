@@ -5,8 +5,8 @@
 
 #include <boost/asio/post.hpp>
 
-#include "client/link/edit_id.h"
 #include "client/link/stream_client_state.h"
+#include "shared/revisions/edit_id.h"
 
 namespace tessera {
 
@@ -87,7 +87,7 @@ void StreamClient::State::watch(std::vector<proto::Window> windows, std::uint64_
 
 std::string StreamClient::State::edit(proto::Edit edit, PendingEdits::Completion done) {
     if (edits_.size() >= settings_.max_edits) return "";
-    if (edit.id().empty()) edit.set_id(new_edit_id());
+    if (edit.id().empty()) edit.set_id(to_string(random_edit_id()));
     std::string id = edit.id();
     if (edit.ByteSizeLong() > most_edit_bytes) {
         asio::post(executor_, [self = shared_from_this(), id, done = std::move(done)] {

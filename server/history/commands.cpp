@@ -16,10 +16,10 @@
 #include "server/history/places.h"
 #include "server/history/server_client.h"
 #include "server/history/undo.h"
-#include "server/journal/edit_id.h"
 #include "server/journal/open_journal.h"
 #include "server/progress/interrupt.h"
 #include "server/progress/terminal_progress.h"
+#include "shared/revisions/edit_id.h"
 
 namespace tessera {
 

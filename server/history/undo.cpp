@@ -12,8 +12,8 @@
 #include "server/history/document_difference.h"
 #include "server/history/past_journal.h"
 #include "server/history/scene_state.h"
-#include "server/journal/edit_id.h"
 #include "server/journal/journal_wait.h"
+#include "shared/revisions/edit_id.h"
 
 namespace tessera {
 

@@ -10,8 +10,8 @@
 #include <variant>
 #include <vector>
 
-#include "server/journal/edit_id.h"
 #include "shared/result/result.h"
+#include "shared/revisions/edit_id.h"
 #include "shared/revisions/revision.h"
 
 namespace tessera {

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "server/edits/live_scene.h"
-#include "server/journal/edit_id.h"
 #include "server/stream/edit_news.h"
 #include "server/stream/page_socket.h"
 #include "server/stream/presence_board.h"
+#include "shared/revisions/edit_id.h"
 
 namespace tessera {
 

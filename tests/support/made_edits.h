@@ -4,7 +4,7 @@
 
 #include "proto/edit.pb.h"
 
-#include "server/journal/edit_id.h"
+#include "shared/revisions/edit_id.h"
 
 namespace tessera {
 

@@ -25,7 +25,7 @@ std::string to_string(const EditId& id);
 /// 32 hexadecimal digits of either case, with or without a UUID's four hyphens; nothing for other text.
 std::optional<EditId> edit_id_from(std::string_view text) noexcept;
 
-/// From the system's source of randomness.
+/// A random UUID (RFC 4122, version 4) from the system's source of randomness.
 EditId random_edit_id();
 
 }  // namespace tessera

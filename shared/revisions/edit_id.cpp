@@ -1,4 +1,4 @@
-#include "server/journal/edit_id.h"
+#include "shared/revisions/edit_id.h"
 
 #include <random>
 
@@ -43,7 +43,13 @@ std::optional<EditId> edit_id_from(std::string_view text) noexcept {
 EditId random_edit_id() {
     std::random_device device;
     EditId id;
-    for (std::uint8_t& byte : id.bytes) byte = static_cast<std::uint8_t>(device());
+    for (std::size_t i = 0; i < id.bytes.size(); i += 4) {
+        const std::uint32_t drawn = device();
+        for (std::size_t byte = 0; byte < 4; ++byte)
+            id.bytes[i + byte] = static_cast<std::uint8_t>(drawn >> (8 * byte));
+    }
+    id.bytes[6] = static_cast<std::uint8_t>((id.bytes[6] & 0x0f) | 0x40);
+    id.bytes[8] = static_cast<std::uint8_t>((id.bytes[8] & 0x3f) | 0x80);
     return id;
 }
 
