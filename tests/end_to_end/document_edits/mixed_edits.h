@@ -71,7 +71,8 @@ class MixedEdits {
             case 4: {
                 proto::ClockChange& clock = *change.mutable_set_clock();
                 if (below(2) == 0) clock.set_playing(below(2) == 0);
-                clock.set_step(static_cast<std::int64_t>(below(5000)));
+                if (below(3) == 0) clock.set_steps_per_second(static_cast<double>(below(120)) / 4);
+                if (below(3) != 0) clock.set_step(static_cast<std::int64_t>(below(5000)));
                 return;
             }
             case 5:
@@ -91,17 +92,36 @@ class MixedEdits {
                 move.set_id(1 + below(40));
                 move.set_x(place());
                 move.set_y(place());
+                if (below(3) == 0) move.set_turn(static_cast<double>(below(64)) / 64);
+                if (below(3) == 0) move.set_scale(scale());
+                if (below(3) == 0) move.set_order(static_cast<std::int32_t>(below(5)));
+                if (below(3) == 0) move.set_pattern(static_cast<std::uint32_t>(below(4)));
                 return;
             }
-            default: {
-                proto::SpritePlacement& sprite = *change.mutable_place_sprite();
-                sprite.set_id(1 + below(40));
-                sprite.set_x(place());
-                sprite.set_y(place());
-                sprite.set_pattern(static_cast<std::uint32_t>(below(4)));
-                sprite.set_turn(static_cast<double>(below(8)) / 8);
-            }
+            default:
+                return place_sprite(*change.mutable_place_sprite());
         }
+    }
+    double scale() { return static_cast<double>(1 + below(256)) / 64; }
+    /// Some stand from a step on, or until one, or move by themselves: these touch all pages on their way.
+    void place_sprite(proto::SpritePlacement& sprite) {
+        sprite.set_id(1 + below(40));
+        sprite.set_x(place());
+        sprite.set_y(place());
+        sprite.set_pattern(static_cast<std::uint32_t>(below(4)));
+        sprite.set_turn(static_cast<double>(below(64)) / 64);
+        sprite.set_scale(scale());
+        sprite.set_order(static_cast<std::int32_t>(below(5)));
+        const auto some_step = [&] { return static_cast<std::int64_t>(below(400)); };
+        if (below(6) == 0) sprite.set_first_step(some_step());
+        if (below(6) == 0) sprite.set_end_step(400 + some_step());
+        if (below(8) != 0) return;
+        proto::SpritePath& path = *sprite.mutable_path();
+        path.set_to_x(place());
+        path.set_to_y(place());
+        path.set_first_step(some_step());
+        path.set_steps(static_cast<std::uint32_t>(1 + below(300)));
+        path.set_then(static_cast<proto::SpritePath::Then>(below(3)));
     }
     void set_parameter(proto::Change& change) {
         proto::ParameterChange& parameter = *change.mutable_set_parameter();
