@@ -77,11 +77,13 @@ class Run final : public StreamListener {
 
     void on_open(const proto::ServerHello& hello) override {
         trouble_.clear();
-        if (options_.task == Task::lines && !lines_)
-            lines_ = std::make_unique<InputLines>(
-                context_.get_executor(), most_edits_under_way,
-                [this](std::string line, std::size_t number) { take_line(line, number); },
-                [this](const std::string& problem) { no_more_lines(problem); });
+        if (options_.task == Task::lines && !lines_) {
+            const auto take = [this](const std::string& line, std::size_t number) {
+                take_line(line, number);
+            };
+            const auto stop = [this](const std::string& problem) { no_more_lines(problem); };
+            lines_ = std::make_unique<InputLines>(context_.get_executor(), most_edits_under_way, take, stop);
+        }
         if (options_.task != Task::watch) return;
         proto::ServerMessage told;
         *told.mutable_hello() = hello;
