@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <fstream>
 #include <random>
@@ -26,7 +27,7 @@ class MixedScene {
         std::string json = EditedPattern::json("everything", true);
         json.replace(
             json.find(R"({"name": "moving")"), 0,
-            R"({"name": "everything", "layers": {"textures": ["mask", "fallen", "flowers", "lights"]}}, )");
+            R"({"name": "everything", "layers": {"textures": ["mask", "fallen", "flowers", "lights", "glints"]}}, )");
         std::ofstream{files_.folder() / "scene.json"} << json;
     }
     /// A server whose edits are kept in `edits`.
@@ -173,12 +174,14 @@ class MixedEdits {
 /// A page at a step, and what was last seen of it.
 struct SeenPage {
     int z = 0, x = 0, y = 0, step = 0;
+    const char* parameter = "";  ///< What the request tells animations that it drives; empty: nothing.
     std::string tag{}, bytes{};
     std::uint64_t touched = 0;  ///< The last edit whose dirty boxes come near it.
 
     std::string address() const {
         return "/scenes/meadow/" + std::to_string(z) + "/" + std::to_string(x) + "/" + std::to_string(y) +
-               ".png?accuracy=fast&step=" + std::to_string(step);
+               ".png?accuracy=fast&step=" + std::to_string(step) + (*parameter == '\0' ? "" : "&parameter=") +
+               parameter;
     }
     bool comes_near(const proto::DirtyBox& box) const {
         const int level = 6 - z;
@@ -188,6 +191,10 @@ struct SeenPage {
     }
 };
 
+/// The second shows what the first does: the first frame.
+inline constexpr std::array<const char*, 3> parameters_to_see{"", "0.2", "0.6"};
+
+/// Of each place, one after the other, one page for each parameter.
 inline std::vector<SeenPage> pages_to_see() {
     std::vector<SeenPage> pages;
     for (const auto& [z, x, y] : {std::tuple{0, 0, 0},
@@ -200,7 +207,7 @@ inline std::vector<SeenPage> pages_to_see() {
                                   {6, 4, 8},
                                   {6, 12, 12},
                                   {6, 40, 40}})
-        pages.push_back({z, x, y, 77 + 130 * x});
+        for (const char* parameter : parameters_to_see) pages.push_back({z, x, y, 77 + 130 * x, parameter});
     return pages;
 }
 

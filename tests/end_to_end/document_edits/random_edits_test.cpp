@@ -25,7 +25,7 @@ TEST(MixedEditsTest, APagesTagTellsItsBytesAndARestartChangesNone) {
     std::map<std::string, std::string> bytes_of;  // By address and tag
     std::map<int, int> kinds;
     std::uint64_t accepted = 0;
-    int changed = 0, kept = 0, joined = 0, looks = 0;
+    int changed = 0, kept = 0, joined = 0, looks = 0, driven = 0;
 
     std::unique_ptr<Program> program{new Program(scene.serve(folder))};
     std::optional<RawClient> client{program->port()};
@@ -45,6 +45,13 @@ TEST(MixedEditsTest, APagesTagTellsItsBytesAndARestartChangesNone) {
         page.tag = tag;
         page.bytes = reply->body;
     };
+    constexpr std::size_t views = parameters_to_see.size();
+    const auto look_at_place = [&](std::size_t place) {
+        for (std::size_t view = 0; view < views; ++view) look_at(pages[place + view]);
+        // What shows the same frame is one page
+        EXPECT_EQ(pages[place].tag, pages[place + 1].tag) << pages[place].address();
+        driven += pages[place].bytes != pages[place + 2].bytes;
+    };
     for (SeenPage& page : pages) look_at(page);
 
     for (int i = 0; i < edits && !HasFailure(); ++i) {
@@ -61,9 +68,9 @@ TEST(MixedEditsTest, APagesTagTellsItsBytesAndARestartChangesNone) {
         } else {
             ASSERT_EQ(reply->status, 400) << reply->body;  // A sprite that is, or is not, there; a count of 0
         }
-        look_at(pages[random.below(pages.size())]);
-        if (i % 250 == 249)
-            for (SeenPage& page : pages) look_at(page);
+        const std::size_t seen = random.below(pages.size() / views) * views;
+        for (std::size_t place = 0; place < pages.size(); place += views)
+            if (place == seen || i % 250 == 249) look_at_place(place);
     }
     if (HasFailure()) return;
     std::printf(
@@ -74,6 +81,7 @@ TEST(MixedEditsTest, APagesTagTellsItsBytesAndARestartChangesNone) {
     EXPECT_GT(changed, 50);
     EXPECT_GT(kept, 50);
     EXPECT_EQ(kinds.size(), 9u) << "of every kind";
+    EXPECT_GT(driven, 20) << "pages show the frame that the request asks for";
     EXPECT_LT(joined * 5, looks) << "pages keep their tags where no edit comes";
 
     for (const int ending : {SIGTERM, SIGKILL}) {

@@ -13,7 +13,8 @@
 namespace tessera {
 
 /// A scene folder whose blocks people may edit: transition tiles of two families under a dithered map that is
-/// clamped, a pixel map, leaves that hang over, an animation, and one that looks at targets; under sprites.
+/// clamped, a pixel map, leaves that hang over, an animation, one that looks at targets, and one that
+/// requests drive, where a map says so; under sprites.
 class EditedPattern {
   public:
     EditedPattern() {
@@ -87,6 +88,13 @@ class EditedPattern {
                 "target_distance": {"near_texels": 8, "far_texels": 64}}},
             {"name": "flowers", "reference_texture": {"patterns": "leaves", "grid": "cells",
                 "index": {"block": "open"}}},
+            {"name": "view", "animation_map": {"sequence": "frames", "request_parameter": {}}},
+            {"name": "seen", "materials_map": {"material": {"block": "kinds"}, "index": {"block": "view"},
+                "materials": [{"entries": [{"pattern": -1}, {"pattern": -1}, {"pattern": -1}]},
+                {"entries": [{"pattern": 3}, {"pattern": 1}, {"pattern": 0}]},
+                {"entries": [{"pattern": -1}, {"pattern": 2}, {"pattern": 3}]}]}},
+            {"name": "glints", "reference_texture": {"patterns": "leaves", "grid": "cells",
+                "index": {"block": "seen"}}},
             {"name": "all", "layers": {"textures": ["mask", "fallen"]}},
             {"name": "moving", "layers": {"textures": ["ground", "flowers", "lights"]}}]}})";
     }
@@ -110,10 +118,11 @@ class EditedPattern {
 /// Bytes of a page, as `accuracy` gives them.
 inline std::vector<std::uint8_t> page_bytes(const Scene& scene, PageKey key,
                                             Accuracy accuracy = Accuracy::high, std::int32_t gutter = 0,
-                                            std::int64_t step = 0) {
+                                            std::int64_t step = 0, std::int32_t parameter = 0) {
     Rgba8Image out;
     TexelRegion region = region_of(key, gutter);
     region.step = step;
+    region.parameter = parameter;
     scene.texture->evaluate(region, {.accuracy = accuracy}, out).value();
     return out.bytes;
 }
