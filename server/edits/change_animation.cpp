@@ -31,8 +31,8 @@ std::optional<TimeLine> line_of(const proto::Scene& message, const std::string& 
     return std::nullopt;
 }
 
-template <class Message>
-void take_over(const Message& from, proto::AnimationMap::Change& to) {
+template <class Message, class To>
+void take_over(const Message& from, To& to) {
     if (from.has_phase()) *to.mutable_phase() = from.phase();
     if (from.has_rest()) *to.mutable_rest() = from.rest();
     if (from.has_density()) to.set_density(from.density());
@@ -49,13 +49,19 @@ proto::AnimationMap::Change setting_after(const proto::AnimationMap& map, int co
     return setting;
 }
 
-/// Forgets the oldest change, whose transition is over: what it said holds from always.
-void fold_oldest(proto::AnimationMap& map) {
-    const proto::AnimationMap::Change& oldest = map.changes(0);
-    if (oldest.has_phase()) *map.mutable_phase() = oldest.phase();
-    if (oldest.has_rest()) *map.mutable_rest() = oldest.rest();
-    if (oldest.has_density()) map.set_density(oldest.density());
-    map.mutable_changes()->DeleteSubrange(0, 1);
+/// Forgets the oldest change, whose transition is over: what it said holds from always. What waited for it
+/// would no longer: from now on each says the step at which it takes effect, and none that gave way is left.
+void fold_oldest(proto::AnimationMap& map, const TimeLine& line) {
+    ChangeTimes times{line};
+    std::vector<proto::AnimationMap::Change> kept;
+    for (const proto::AnimationMap::Change& change : map.changes()) {
+        const ChangeTimes::Effect effect = times.add(change.step());
+        if (!effect.replaces) kept.emplace_back();
+        take_over(change, kept.back());
+        kept.back().set_step(effect.step);
+    }
+    take_over(kept.front(), map);
+    map.mutable_changes()->Assign(kept.begin() + 1, kept.end());
 }
 
 }  // namespace
@@ -101,8 +107,9 @@ Result<void> change_animation(const proto::AnimationChange& change, const EditIn
             if (!over)
                 return wrong("step: " + std::to_string(max_changes) +
                              " changes are still to come or on their way; take a later step");
-            fold_oldest(map);
-            --at;
+            fold_oldest(map, *line);
+            at = 0;
+            while (at < changes.size() && changes[at].step() <= step) ++at;
         }
         proto::AnimationMap::Change& added = *changes.Add();
         added.set_step(step);

@@ -81,8 +81,8 @@ struct MotionLattice {
 
 /// Frames by distance to the nearest target ("triggered by the distance to the two balls", figure 21 a): at
 /// `far` texels and beyond the first frame, towards `near` the last, each for as much of the way between as
-/// it has steps in the time line. Frames go up and down with the distance; one is left out only where a
-/// target moves by more than a frame's share of the way in a step.
+/// it has steps in the time line (the first, at rest, for one whatever it has). Frames go up and down with
+/// the distance; one is left out only where a target moves by more than a frame's share of the way in a step.
 class TargetDistance {
   public:
     /// 0 <= near < far <= 2^28. Copies the targets, at most 256; all come round in the same number of steps.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "server/edits/apply_edit.h"
+#include "shared/motion/transitions.h"
 #include "tests/unit/server/edits/edited_pattern.h"
 #include "tests/unit/server/edits/made_scene.h"
 
@@ -224,6 +225,58 @@ TEST_F(DocumentEdits, ManyChangesOfAnAnimationAreFoldedWhenTheyAreOver) {
     EXPECT_NE(refusal(edit).find("from 0 to 32767"), std::string::npos);
     change.set_block("open");
     EXPECT_NE(refusal(edit).find("is no animation map"), std::string::npos);
+}
+
+std::uint64_t density_of(double density) { return static_cast<std::uint64_t>(density * 65536); }
+
+/// What cells of some phases show at a step, by what the message says now.
+std::vector<std::int32_t> frames_of(const proto::AnimationMap& map, const TimeLine& line, Step step) {
+    ChangeTimes times{line};
+    std::int64_t rest = map.rest().integer();
+    double density = map.has_density() ? map.density() : 1;
+    std::vector<Cycle> cycles{{0, rest_of(rest, density_of(density))}};
+    for (const auto& change : map.changes()) {
+        if (change.has_rest()) rest = change.rest().integer();
+        if (change.has_density()) density = change.density();
+        if (times.add(change.step()).replaces) cycles.pop_back();
+        cycles.push_back({0, rest_of(rest, density_of(density))});
+    }
+    std::vector<std::int32_t> frames;
+    for (std::int64_t phase = 0; phase < 40; ++phase) {
+        for (Cycle& each : cycles) each.phase = phase;
+        frames.push_back(frame_at(line, cycles, times.steps(), step));
+    }
+    return frames;
+}
+
+TEST_F(DocumentEdits, NoCellJumpsWhileASliderIsMovedForAsLongAsOneLikes) {
+    const TimeLine line{std::array<std::uint32_t, 3>{1, 1, 2}};  // "frames"
+    for (std::int64_t every = 1; every <= 9; ++every) {
+        document_ = LiveDocument::of(*files_.load("moving"), {});
+        const auto frames_now = [&](Step step) {
+            auto message = *document_.message;
+            return frames_of(find_block(message, "blink")->animation_map(), line, step);
+        };
+        std::vector<std::int32_t> last = frames_now(-1);
+        for (Step step = 0; step < 1500; ++step) {
+            const std::vector<std::int32_t> before = frames_now(step);
+            if (step == 0 || step % every == 1 % every) {
+                proto::Edit edit;
+                proto::AnimationChange& change = *edit.add_changes()->mutable_change_animation();
+                change.set_block("blink");
+                change.set_density(static_cast<double>(hash(3, stream("slider"), step, every) % 5) / 4);
+                const auto made = apply(edit, step);
+                ASSERT_TRUE(made) << made.error().detail;
+            }
+            ASSERT_EQ(frames_now(step), before) << "an edit now, an edit every " << every << ", at " << step;
+            for (std::size_t cell = 0; cell < last.size(); ++cell)
+                ASSERT_TRUE(before[cell] == last[cell] || before[cell] == last[cell] + 1 ||
+                            (last[cell] == line.frames() - 1 && before[cell] == 0))
+                    << "an edit every " << every << " steps: cell " << cell << " goes from " << last[cell]
+                    << " to " << before[cell] << " at " << step;
+            last = before;
+        }
+    }
 }
 
 TEST_F(DocumentEdits, AnEditThatPlansTheSceneAgainAndAgainIsRefused) {
