@@ -29,8 +29,9 @@ class Program {
     /// A program that nobody ran lately comes from the disk, which takes many seconds where that is slow.
     static constexpr std::chrono::seconds patience{60};
 
-    /// `folder`: where it starts, unless empty.
-    explicit Program(std::vector<std::string> arguments, const std::string& folder = {}) {
+    /// `folder`: where it starts, unless empty. `file`: another program, which comes to be ours.
+    explicit Program(std::vector<std::string> arguments, const std::string& folder = {},
+                     const char* file = TESSERA_PROGRAM) {
         int out[2], err[2];
         EXPECT_EQ(pipe2(out, O_CLOEXEC), 0);
         EXPECT_EQ(pipe2(err, O_CLOEXEC), 0);
@@ -39,11 +40,11 @@ class Program {
         posix_spawn_file_actions_adddup2(&actions, out[1], 1);
         posix_spawn_file_actions_adddup2(&actions, err[1], 2);
         if (!folder.empty()) posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
-        arguments.insert(arguments.begin(), TESSERA_PROGRAM);
+        arguments.insert(arguments.begin(), file);
         std::vector<char*> words;
         for (std::string& argument : arguments) words.push_back(argument.data());
         words.push_back(nullptr);
-        EXPECT_EQ(posix_spawn(&pid_, TESSERA_PROGRAM, &actions, nullptr, words.data(), environ), 0);
+        EXPECT_EQ(posix_spawn(&pid_, file, &actions, nullptr, words.data(), environ), 0);
         posix_spawn_file_actions_destroy(&actions);
         ::close(out[1]);
         ::close(err[1]);
@@ -101,6 +102,7 @@ class Program {
         const rlimit limit{most, most};
         return pages != 0 && prlimit(pid_, RLIMIT_AS, &limit, nullptr) == 0;
     }
+    pid_t process() const { return pid_; }
     void signal(int number) const { ::kill(pid_, number); }
     int exit_code() {
         read_until(err_, err_text_, "\x01");  // to its end

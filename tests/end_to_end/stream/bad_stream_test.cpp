@@ -266,6 +266,62 @@ TEST(BadStream, WithTooMuchOfSomethingIsToldWhat) {
     expect_alive(live);
 }
 
+TEST(BadStream, EditsThatAreWrongAreRefusedByNameAndItGoesOn) {
+    LiveServer live;
+    StreamClient client = live.stream();
+    ASSERT_TRUE(client.hello());
+    const auto refused = [&](const proto::Edit& edit, proto::EditRefused::Why why, const std::string& words) {
+        client.send(message_of(edit));
+        const auto answer = client.receive(Case::kEditRefused);
+        ASSERT_TRUE(answer) << words;
+        EXPECT_EQ(answer->edit_refused().id(), edit.id());
+        EXPECT_EQ(answer->edit_refused().why(), why) << answer->edit_refused().detail();
+        EXPECT_NE(answer->edit_refused().detail().find(words), std::string::npos)
+            << answer->edit_refused().detail();
+    };
+    using proto::EditRefused;
+    const proto::Edit first = placing(1, 100, 100);
+    client.send(message_of(first));
+    ASSERT_TRUE(client.receive(Case::kEditDone));
+
+    refused(placing(2, std::nan(""), 0), EditRefused::wrong, "changes[0].place_sprite.x");
+    refused(placing(2, 0, 0x1p39), EditRefused::wrong,
+            "changes[0].place_sprite.y: is outside of the texture");
+    refused(moving(7, 1, 1), EditRefused::wrong, "no sprite 7");
+    refused(new_edit(), EditRefused::wrong, "changes: is empty");
+    proto::Edit edit = placing(2, 5, 5);
+    edit.set_id("mine");
+    refused(edit, EditRefused::wrong, "UUID");
+    edit = placing(2, 5, 5);
+    edit.GetReflection()->MutableUnknownFields(&edit)->AddVarint(777, 5);
+    refused(edit, EditRefused::wrong, "does not know");
+    edit = new_edit();
+    for (std::uint64_t i = 0; i < 1025; ++i) edit.add_changes()->mutable_remove_sprite()->set_id(i + 1);
+    refused(edit, EditRefused::wrong, "1024");
+    edit = new_edit();
+    edit.add_changes()->mutable_set_clock()->set_steps_per_second(std::nan(""));
+    refused(edit, EditRefused::wrong, "changes[0].set_clock");
+    edit = placing(2, 5, 5);
+    edit.set_base_revision(9);
+    refused(edit, EditRefused::conflict, "base_revision");
+    edit = placing(2, 5, 5);
+    edit.set_id(first.id());
+    refused(edit, EditRefused::other_content, "");
+
+    EXPECT_EQ(live.now()->revision, 1u);
+    client.send(message_of(first));
+    const auto again = client.receive(Case::kEditDone);
+    ASSERT_TRUE(again);
+    EXPECT_TRUE(again->edit_done().answer().again());
+    // A million changes are too much for a message: whoever sends them is ended before they are read
+    edit = new_edit();
+    for (std::uint64_t i = 0; i < 1'000'000; ++i) edit.add_changes()->mutable_remove_sprite()->set_id(i + 1);
+    client.send(message_of(edit));
+    EXPECT_TRUE(eventually([&] { return live.server->stream_metrics().streams.Value() == 0; }));
+    EXPECT_EQ(live.now()->revision, 1u);
+    expect_alive(live);
+}
+
 TEST(BadStream, WhoAsksWithoutReadingIsNotListenedTo) {
     LiveServer live;
     RawClient client = raw_stream(live);
