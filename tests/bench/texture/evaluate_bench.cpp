@@ -1,19 +1,24 @@
 // By-example textures against a cold memcpy of a page, one core.
-//   build/release/bin/evaluate_bench [ASSET…]
-// prints for each method and level the time of one 256² RGBA page and its ratio to the memcpy of the same
-// run, what interchangeable patches cost against content exchange, one isolated texel, and 512² texels. Exits
-// with 1 where a ratio misses its limit by more than noise. Without assets: made ones, content exchange of 64
+//   build/release/bin/evaluate_bench [--level N] [ASSET…]
+// prints for each method and level what one 256² RGBA page takes, what a cold memcpy of it takes, and their
+// ratio; what interchangeable patches cost against content exchange; one isolated texel, and 512² texels.
+// Returns 1 where a limit is missed, by however little. Without assets: made ones, content exchange of 64
 // patches of 25 contents and 400 interchangeable patches, each on a 512² tile.
+//
+// Cold: both ends of the memcpy are memory that no cache holds, and so is the image that a page is evaluated
+// into. What a page reads is as warm as a server has it that answers one page after the other from anywhere
+// in the texture: what pages need again stays in the caches, if it is small enough. Memcpy and page take
+// turns, so that whatever else the machine does slows down both; a ratio is the median of those of all pairs.
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <iostream>
-#include <map>
+#include <ctime>
 #include <memory>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
-
-#include <benchmark/benchmark.h>
 
 #include "server/scene/asset_file.h"
 #include "server/texture/exchange.h"
@@ -25,19 +30,91 @@ namespace tessera {
 namespace {
 
 constexpr std::size_t page_bytes = 256 * 256 * 4;
+constexpr int pairs = 401;
+constexpr double finest_level_limit = 4, any_level_limit = 12, interchange_limit = 1.5;
+constexpr double texel_limit_us = 0.5, square_limit_us = 1000;
 
-std::vector<std::pair<std::string, std::shared_ptr<const Texture>>> textures;
+int missed = 0;
 
-/// A page of a level that no earlier iteration asked for: what a request that misses every cache costs.
-TexelRegion fresh_page(std::uint8_t level, std::int64_t i) {
+/// Prints the end of a line: whether `value` keeps to its limit.
+void hold(double value, double limit) {
+    std::printf(" (at most %g%s)", limit, value > limit ? ": MISSED" : "");
+    missed += value > limit ? 1 : 0;
+}
+
+double median(std::vector<double> values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+/// Of this thread's processor.
+double thread_microseconds() {
+    timespec time{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) * 1e6 + static_cast<double>(time.tv_nsec) / 1e3;
+}
+
+/// Microseconds that `run()` takes, without those of reading the clock.
+template <class Run>
+double time_of(const Run& run) {
+    static const double clock = [] {
+        double least = 1e9;
+        for (int i = 0; i < 2000; ++i) {
+            const double begun = thread_microseconds();
+            least = std::min(least, thread_microseconds() - begun);
+        }
+        return least;
+    }();
+    const double begun = thread_microseconds();
+    run();
+    return thread_microseconds() - begun - clock;
+}
+
+/// Pages of memory, many times what caches hold, handed out in an order that no prefetcher guesses: none
+/// before all others were.
+class ColdPages {
+  public:
+    ColdPages() {
+        for (int i = 0; i < count; ++i) {
+            pages_.push_back({256, 256});
+            std::fill(pages_.back().bytes.begin(), pages_.back().bytes.end(), std::uint8_t{1});
+        }
+    }
+    Rgba8Image& next() { return pages_[static_cast<std::size_t>(next_++ * 197 % count)]; }
+
+  private:
+    static constexpr int count = 512;
+    std::vector<Rgba8Image> pages_;
+    int next_ = 0;
+};
+
+/// A page of a level that was not asked for yet: what a request that misses every cache costs.
+TexelRegion fresh_page(std::uint8_t level) {
+    static std::int64_t i = 0;
     const auto pages = std::uint32_t{1} << std::min(30 - level, 24);
     const auto at = [&](std::uint64_t axis) {
         return std::int64_t{uniform_below(hash(1, stream("bench page", axis), i, level), pages)} * 256;
     };
+    ++i;
     return {level, at(0), at(1), 256, 256};
 }
 
-/// A benchmark refuses to time a wrong answer: the page must be the reduction of its children.
+struct Measured {
+    std::string name;
+    std::shared_ptr<const Texture> texture;
+};
+
+[[noreturn]] void give_up(const std::string& why) {
+    std::fprintf(stderr, "%s\n", why.c_str());
+    std::exit(2);
+}
+
+void evaluate(const Texture& texture, const TexelRegion& region, Rgba8Image& out) {
+    if (!texture.evaluate(region, Budget{}, out)) give_up("a page was not evaluated");
+}
+
+/// A bench refuses to time a wrong answer: the page must be the reduction of its children.
 bool right(const Texture& texture, std::uint8_t level) {
     if (level == 0) return true;  // level 0 is what the others are held to
     const TexelRegion region{level, 3 * 256, 5 * 256, 64, 64};
@@ -56,107 +133,87 @@ bool right(const Texture& texture, std::uint8_t level) {
     return true;
 }
 
-void evaluate_page(benchmark::State& state, const Texture& texture, std::uint8_t level) {
-    if (!right(texture, level)) return state.SkipWithError("the page is not the reduction of its children");
-    Rgba8Image page;
-    std::int64_t i = 0;
-    for (auto _ : state) {
-        if (!texture.evaluate(fresh_page(level, i++), Budget{}, page))
-            return state.SkipWithError("not evaluated");
-        benchmark::DoNotOptimize(page.bytes.data());
-    }
-    state.SetItemsProcessed(state.iterations() * 256 * 256);  // texels a second
-}
-
-/// A square of level 0 anywhere: one texel, as a ray needs it, or many.
-void evaluate_square(benchmark::State& state, const Texture& texture, std::int32_t side) {
-    Rgba8Image square;
-    std::int64_t i = 0;
-    for (auto _ : state) {
-        TexelRegion region = fresh_page(0, i++);
-        region.x += i * 37 % 256;
-        region.y += i * 101 % 256;
-        region.width = region.height = side;
-        if (!texture.evaluate(region, Budget{}, square)) return state.SkipWithError("not evaluated");
-        benchmark::DoNotOptimize(square.bytes.data());
-    }
-}
-
-void cold_memcpy(benchmark::State& state) {
-    // 1024 pages each way: far more than the caches hold, visited in an order that no prefetcher guesses
-    constexpr std::size_t pages = 1024;
-    static std::vector<std::uint8_t> from(pages * page_bytes, 1), to(pages * page_bytes, 2);
-    std::size_t i = 0;
-    for (auto _ : state) {
-        const std::size_t at = (i++ * 389 % pages) * page_bytes;
-        std::memcpy(to.data() + at, from.data() + at, page_bytes);
-        benchmark::ClobberMemory();
-    }
-}
-
-/// Prints each median as a ratio to the memcpy's of the same run, and to the first texture's at that level.
-class RatioReporter : public benchmark::ConsoleReporter {
-  public:
-    void ReportRuns(const std::vector<Run>& runs) override {
-        ConsoleReporter::ReportRuns(runs);
-        for (const Run& run : runs) {
-            if (run.error_occurred || run.aggregate_name != "median") continue;
-            const double time = run.GetAdjustedCPUTime();
-            const std::string name = run.benchmark_name();
-            if (name.starts_with("cold_memcpy")) memcpy_time_ = time;
-            if (memcpy_time_ <= 0 || name.find("/level:") == std::string::npos) continue;
-            std::cout << "  " << name << " = " << time / memcpy_time_ << " × a cold memcpy of the page";
-            const std::string level = name.substr(name.find("/level:"));
-            if (name.starts_with("content_exchange"))
-                hold(time / memcpy_time_,
-                     level.starts_with("/level:0/") ? finest_level_limit : any_level_limit);
-            if (const auto first = first_.find(level); first != first_.end()) {
-                std::cout << ", " << time / first->second << " × " << textures.front().first;
-                if (name.starts_with("interchange")) hold(time / first->second, interchange_limit);
-            }
-            first_.emplace(level, time);
-            std::cout << "\n";
+/// The pages of one level of all textures, each after a memcpy.
+void measure_level(const std::vector<Measured>& textures, std::uint8_t level, ColdPages& from,
+                   ColdPages& to) {
+    struct Times {
+        std::vector<double> copy, page, ratio, to_first;
+    };
+    std::vector<Times> times(textures.size());
+    for (const Measured& one : textures)
+        if (!right(*one.texture, level)) give_up(one.name + ": a page is not the reduction of its children");
+    for (int pair = 0; pair < pairs; ++pair)
+        for (std::size_t t = 0; t < textures.size(); ++t) {
+            const Rgba8Image& source = from.next();
+            Rgba8Image& copied = to.next();
+            Rgba8Image& page = to.next();
+            const TexelRegion region = fresh_page(level);
+            const double copy =
+                time_of([&] { std::memcpy(copied.bytes.data(), source.bytes.data(), page_bytes); });
+            const double took = time_of([&] { evaluate(*textures[t].texture, region, page); });
+            times[t].copy.push_back(copy);
+            times[t].page.push_back(took);
+            times[t].ratio.push_back(took / copy);
+            times[t].to_first.push_back(took / times[0].page.back());
         }
-    }
-
-    bool limits_hold() const noexcept { return missed_ == 0; }
-    int missed() const noexcept { return missed_; }
-
-  private:
-    static constexpr double finest_level_limit = 4, any_level_limit = 12, interchange_limit = 1.5;
-    /// Two ratios of one run differ by so much where other work shares the machine.
-    static constexpr double noise = 1.1;
-
-    void hold(double ratio, double limit) {
-        std::cout << " (at most " << limit << (ratio > limit ? ": MISSED)" : ")");
-        missed_ += ratio > limit * noise ? 1 : 0;
-    }
-
-    int missed_ = 0;  ///< By more than noise.
-    double memcpy_time_ = 0;
-    std::map<std::string, double> first_;
-};
-
-void make_textures(int count, char** assets) {
-    for (int i = 0; i < count; ++i) {
-        const auto asset = read_exchange_asset(assets[i]);
-        if (!asset) {
-            std::cerr << asset.error().detail << "\n";
-            std::exit(1);
+    for (std::size_t t = 0; t < textures.size(); ++t) {
+        const double copy = median(times[t].copy), page = median(times[t].page);
+        const double ratio = median(times[t].ratio);
+        const auto gigabytes = [](double us) { return double{page_bytes} / 1e3 / us; };
+        std::printf("%-17s level %2d  memcpy %5.1f us %5.1f GB/s  page %6.1f us %5.1f GB/s  %5.2f x",
+                    textures[t].name.c_str(), int{level}, copy, gigabytes(copy), page, gigabytes(page),
+                    ratio);
+        if (textures[t].name == "content_exchange")
+            hold(ratio, level == 0 ? finest_level_limit : any_level_limit);
+        if (t > 0) {
+            const double to_first = median(times[t].to_first);
+            std::printf("  %4.2f x %s", to_first, textures[0].name.c_str());
+            if (textures[t].name == "interchange" && textures[0].name == "content_exchange")
+                hold(to_first, interchange_limit);
         }
-        const auto made = make_exchange_texture(*asset, {.seed = 1});
-        textures.emplace_back(made->kind(), made);
+        std::printf("\n");
     }
-    if (!textures.empty()) return;
-    textures.emplace_back(
-        "content_exchange",
-        make_exchange_texture(
-            tests::make_synthetic_asset({.tile_side = 512, .patches = 64, .contents = 25, .blend_texels = 4}),
-            {.seed = 1}));
-    textures.emplace_back("interchange",
-                          make_exchange_texture(tests::make_synthetic_interchange(
-                                                    {.tile_side = 512, .patches = 400, .blend_texels = 4}),
-                                                {.seed = 1}));
+}
+
+/// Squares of level 0 anywhere: single texels, as rays need them, or many at once.
+void measure_squares(const Measured& measured) {
+    const auto squares = [&](std::int32_t side, int count) {
+        Rgba8Image out;
+        for (int i = 0; i < count; ++i) {
+            TexelRegion region = fresh_page(0);
+            region.x += i * 37 % 256;
+            region.y += i * 101 % 256;
+            region.width = region.height = side;
+            evaluate(*measured.texture, region, out);
+        }
+    };
+    // What texels need stays in the caches, as it does for a ray tracer that asks for millions of them
+    std::vector<double> texel, square;
+    squares(1, 20000);
+    for (int i = 0; i < 21; ++i) texel.push_back(time_of([&] { squares(1, 1000); }) / 1000);
+    for (int i = 0; i < 21; ++i) square.push_back(time_of([&] { squares(512, 5); }) / 5);
+    std::printf("%-17s one texel %.2f us", measured.name.c_str(), median(texel));
+    hold(median(texel), texel_limit_us);
+    std::printf("  512 x 512 texels %.0f us", median(square));
+    hold(median(square), square_limit_us);
+    std::printf("\n");
+}
+
+std::vector<Measured> textures_of(const std::vector<std::string>& assets) {
+    std::vector<Measured> textures;
+    const auto add = [&](const ExchangeAsset& asset) {
+        const auto made = make_exchange_texture(asset, {.seed = 1});
+        textures.push_back({std::string{made->kind()}, made});
+    };
+    for (const std::string& folder : assets) {
+        const auto asset = read_exchange_asset(folder);
+        if (!asset) give_up(asset.error().detail);
+        add(*asset);
+    }
+    if (!textures.empty()) return textures;
+    add(tests::make_synthetic_asset({.tile_side = 512, .patches = 64, .contents = 25, .blend_texels = 4}));
+    add(tests::make_synthetic_interchange({.tile_side = 512, .patches = 400, .blend_texels = 4}));
+    return textures;
 }
 
 }  // namespace
@@ -164,30 +221,22 @@ void make_textures(int count, char** assets) {
 
 int main(int argc, char** argv) {
     using namespace tessera;
-    benchmark::Initialize(&argc, argv);
-    make_textures(argc - 1, argv + 1);
-    std::cout << "kernels: " << kernels().name << "\n";
-    const auto repeat = [](benchmark::internal::Benchmark* b) {
-        b->Repetitions(7)->ReportAggregatesOnly()->MinTime(0.01)->Unit(benchmark::kMicrosecond);
-    };
-    repeat(benchmark::RegisterBenchmark("cold_memcpy", cold_memcpy));
-    for (const auto& [name, texture] : textures) {
-        std::cout << texture->description();
-        const Texture* of = texture.get();
-        repeat(benchmark::RegisterBenchmark((name + "/one_texel").c_str(), [of](benchmark::State& state) {
-            evaluate_square(state, *of, 1);
-        }));
-        repeat(benchmark::RegisterBenchmark((name + "/512_square").c_str(), [of](benchmark::State& state) {
-            evaluate_square(state, *of, 512);
-        }));
-        for (std::uint8_t level = 0; level <= 12; ++level)
-            repeat(benchmark::RegisterBenchmark(
-                (name + "/level:" + std::to_string(level)).c_str(),
-                [of, level](benchmark::State& state) { evaluate_page(state, *of, level); }));
-    }
-    RatioReporter reporter;
-    benchmark::RunSpecifiedBenchmarks(&reporter);
-    if (reporter.limits_hold()) return 0;
-    std::cout << reporter.missed() << " of the limits missed by more than a tenth\n";
-    return 1;
+    int only_level = -1;
+    std::vector<std::string> assets;
+    for (int i = 1; i < argc; ++i)
+        if (std::string_view{argv[i]} == "--level" && i + 1 < argc)
+            only_level = std::atoi(argv[++i]);
+        else
+            assets.push_back(argv[i]);
+    const std::vector<Measured> textures = textures_of(assets);
+    std::printf("kernels: %s\n", kernels().name);
+    for (const Measured& one : textures) std::printf("%s", one.texture->description().c_str());
+    ColdPages from, to;
+    for (int level = 0; level <= 12; ++level)
+        if (only_level < 0 || level == only_level)
+            measure_level(textures, static_cast<std::uint8_t>(level), from, to);
+    if (only_level < 0)
+        for (const Measured& one : textures) measure_squares(one);
+    std::printf(missed == 0 ? "All limits hold\n" : "%d limits missed\n", missed);
+    return missed == 0 ? 0 : 1;
 }
