@@ -238,7 +238,8 @@ Answer Session::body_refusal(ReadEnd end) {
                               : Refusal{503, "too many large requests at once; ask again in a second", true});
 }
 
-/// An edit that was read is made whether the client waits for its answer or not.
+/// An edit that was read is made whether the client waits for its answer or not; one that has closed its
+/// sending half is answered all the same, for there is nothing left to spare.
 Task<bool> Session::wait_for_edit(PendingEdit pending, const RequestHead& request, std::size_t head_bytes) {
     using namespace asio::experimental::awaitable_operators;
     BodyBudget::Share share{context_.bodies};
@@ -265,8 +266,7 @@ Task<bool> Session::wait_for_edit(PendingEdit pending, const RequestHead& reques
                                      return NoTicket{};
                                  },
                                  use_task) ||
-                             client_leaves() || pass(edit_patience));
-    if (outcome.index() == 1) co_return false;
+                             pass(edit_patience));
     const EditOutcome how =
         outcome.index() == 0
             ? std::move(std::get<0>(outcome).value())
@@ -330,9 +330,10 @@ Task<bool> Session::wait_for_page(PendingPage pending, const RequestHead& reques
     co_return co_await send(Routes::page_answer(*page, pending), true, keep_alive);
 }
 
-/// Returns when the connection ends; a client that closes only its sending half counts as gone. What the
-/// client sends meanwhile is kept as its next requests; when that is as much as may wait, it is not watched
-/// any more.
+/// Returns when the connection ends. A client that closes only its sending half counts as gone: until
+/// something is written to it, it looks like one that has closed both, and work for nobody has to stop at
+/// once. What the client sends meanwhile is kept as its next requests; when that is as much as may wait, it
+/// is not watched any more.
 Task<void> Session::client_leaves() {
     co_await asio::this_coro::throw_if_cancelled(false);
     for (;;) {

@@ -105,6 +105,20 @@ TEST_F(Edits, WhatIsWrongIsNamedAndTheConnectionGoesOn) {
     EXPECT_EQ(answer_in(client.receive().value()).revision(), 2u);
 }
 
+TEST_F(Edits, WhoClosesItsSendingHalfIsAnsweredAllTheSame) {
+    Program program = serve({"--edits", (folder.path / ".edits").string()});
+    const std::uint16_t port = program.port();
+    for (std::uint64_t id = 1; id <= 20; ++id) {
+        RawClient client{port};
+        ASSERT_TRUE(client.send(post("sprites", write_brief_json(placing(id, 100, 100)))));
+        client.close_sending();
+        const auto reply = client.receive();
+        ASSERT_TRUE(reply);
+        EXPECT_EQ(answer_in(*reply).revision(), id);
+        EXPECT_TRUE(client.is_closed());
+    }
+}
+
 /// An edit that is always possible: sprites 1 to 30 are there from the start.
 proto::Edit random_move(std::uint64_t n) {
     const auto draw = [&](std::uint64_t what) { return hash(9, what, static_cast<std::int64_t>(n), 0); };

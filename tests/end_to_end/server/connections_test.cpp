@@ -63,6 +63,13 @@ TEST(Connections, AClientThatLeavesStopsItsEvaluationAndDropsWhatIsQueued) {
     queued_page.close();
     ASSERT_TRUE(
         eventually([&] { return running.server->pages().metrics().requests(PageResult::cancelled) == 1; }));
+    // Half of it is enough
+    RawClient half = running.client();
+    half.send(request_for("/scenes/gated/20/3/3.png"));
+    half.close_sending();
+    ASSERT_TRUE(
+        eventually([&] { return running.server->pages().metrics().requests(PageResult::cancelled) == 2; }));
+    EXPECT_FALSE(half.receive());
     running_page.close();
     EXPECT_TRUE(eventually([&] { return running.gated->stopped == 1; }));
     running.gated->open();
