@@ -38,6 +38,19 @@ Cycle AnimationOp::cycle_of(const AnimationSetting& setting, const std::int32_t*
     return cycle;
 }
 
+struct AnimationOp::GivenCycles {
+    const AnimationOp& of;
+    const std::int32_t* const* in;
+    std::int32_t i;
+    Cycle operator()(std::size_t setting) const noexcept { return of.cycle_of(of.settings_[setting], in, i); }
+};
+
+struct AnimationOp::ToldCycles {
+    std::int64_t phase;
+    std::span<const std::int64_t> rests;
+    Cycle operator()(std::size_t setting) const noexcept { return {phase, rests[setting]}; }
+};
+
 AnimationOp::Settled AnimationOp::settled_at(Step step) const noexcept {
     const std::size_t change = change_at(changes_, step);
     Settled settled{static_cast<int>(change), {}};
@@ -100,32 +113,31 @@ void AnimationOp::run(const Stretch& stretch, const std::int32_t* const* in, std
 
 /// Whether a cell shows its first frame in all of these steps, whatever setting it follows; no, if that takes
 /// long to tell.
-bool AnimationOp::rests_within(const std::int32_t* const* in, std::int32_t i,
-                               const Validity& steps) const noexcept {
+template <class CycleUnder>
+bool AnimationOp::rests_within(const CycleUnder& cycle_under, const Validity& steps) const noexcept {
     const TimeLine& line = frames_->line;
     const std::size_t end = change_at(changes_, steps.until - 1) + 1;
     for (std::size_t setting = change_at(changes_, steps.from); setting < end; ++setting) {
-        const Cycle now = cycle_of(settings_[setting], in, i);
+        const Cycle now = cycle_under(setting);
         const Validity part{
             setting == 0 ? steps.from : std::max(steps.from, changes_[setting - 1]),
             setting < changes_.size() ? std::min(steps.until, changes_[setting]) : steps.until};
         if (setting == 0 ? !rests_through(line, now, part)
-                         : !rests_through(line, cycle_of(settings_[setting - 1], in, i), now,
-                                          changes_[setting - 1], part))
+                         : !rests_through(line, cycle_under(setting - 1), now, changes_[setting - 1], part))
             return false;
     }
     return true;
 }
 
-/// shown_within() of so few steps that each is looked at.
-Shown AnimationOp::shown_in_few(const std::int32_t* const* in, std::int32_t i, Step step,
+/// shown_in() of so few steps that each is looked at.
+template <class CycleUnder>
+Shown AnimationOp::shown_in_few(const CycleUnder& cycle_under, Step step,
                                 const Validity& within) const noexcept {
     const auto frame_in = [&](Step at) {
         const std::size_t setting = change_at(changes_, at);
-        const Cycle now = cycle_of(settings_[setting], in, i);
+        const Cycle now = cycle_under(setting);
         if (setting == 0) return frames_->line.frame_at(position_at(frames_->line, now, at));
-        return frame_at(frames_->line, cycle_of(settings_[setting - 1], in, i), now, changes_[setting - 1],
-                        at);
+        return frame_at(frames_->line, cycle_under(setting - 1), now, changes_[setting - 1], at);
     };
     Shown shown{frame_in(step), {step, step + 1}};
     while (shown.validity.until < within.until && frame_in(shown.validity.until) == shown.frame)
@@ -136,20 +148,20 @@ Shown AnimationOp::shown_in_few(const std::int32_t* const* in, std::int32_t i, S
 }
 
 /// At any step, of a cell that knows of all settings; right as far as it lies `within`, which holds then.
-Shown AnimationOp::shown_within(const std::int32_t* const* in, std::int32_t i, Step step,
-                                const Validity& within) const noexcept {
+template <class CycleUnder>
+Shown AnimationOp::shown_in(const CycleUnder& cycle_under, Step step, const Validity& within) const noexcept {
     // Two settings decide the frame; where it changes next and changed last, nearly always two more
     const std::size_t change = change_at(changes_, step), first = change_at(changes_, within.from),
                       end = change_at(changes_, within.until - 1) + 1;
     const std::size_t from = first < 1 ? 0 : first - 1;
-    if (rests_within(in, i, within)) return {};
-    if (add_steps(within.from, few_steps) >= within.until) return shown_in_few(in, i, step, within);
+    if (rests_within(cycle_under, within)) return {};
+    if (add_steps(within.from, few_steps) >= within.until) return shown_in_few(cycle_under, step, within);
     const std::size_t near_from = std::max(from, change < 2 ? 0 : change - 2),
                       near_end = std::min(change + 3, end);
     const std::span<const Step> changes{changes_};
     const auto shown = [&](std::size_t begin, std::size_t stop, std::span<Cycle> cycles) {
         for (std::size_t setting = begin; setting < stop; ++setting)
-            cycles[setting - begin] = cycle_of(settings_[setting], in, i);
+            cycles[setting - begin] = cycle_under(setting);
         const std::span<const Cycle> some = cycles.first(stop - begin);
         return shown_at(frames_->line, some, changes.subspan(begin, stop - begin - 1), step);
     };
@@ -166,20 +178,28 @@ Shown AnimationOp::shown_within(const std::int32_t* const* in, std::int32_t i, S
 }
 
 /// The same, where it is known what cells follow at `step`: nearly always that lasts for as long as is asked.
-Shown AnimationOp::shown_within(const std::int32_t* const* in, std::int32_t i, Step step,
-                                const Validity& within, const Followed& followed) const noexcept {
+template <class CycleUnder>
+Shown AnimationOp::shown_in(const CycleUnder& cycle_under, Step step, const Validity& within,
+                            const Followed& followed) const noexcept {
     const auto& [first, last, holds] = followed;
-    if (holds.from > within.from || holds.until < within.until) return shown_within(in, i, step, within);
+    if (holds.from > within.from || holds.until < within.until) return shown_in(cycle_under, step, within);
     const TimeLine& line = frames_->line;
-    const Cycle now = cycle_of(settings_[last], in, i);
+    const Cycle now = cycle_under(last);
     if (first == last) {
+        if (is_one_step(within)) return {frames_->line.frame_at(position_at(line, now, step)), within};
         if (rests_through(line, now, within)) return {};
         return shown_at(line, now, step);
     }
-    const std::array cycles{cycle_of(settings_[first], in, i), now};
+    const std::array cycles{cycle_under(first), now};
     if (rests_through(line, cycles[0], now, changes_[first], within)) return {};
     if (is_one_step(within)) return {frame_at(line, cycles[0], cycles[1], changes_[first], step), within};
     return shown_at(line, cycles, std::span{changes_}.subspan(first, 1), step);
+}
+
+Shown AnimationOp::shown_within(std::int64_t phase, std::span<const std::int64_t> rests, Step step,
+                                const Validity& within, Followed& followed) const noexcept {
+    if (!followed.holds.holds(step)) followed = followed_at(step);
+    return shown_in(ToldCycles{phase, rests}, step, within, followed);
 }
 
 /// Any step, of cells that know of all settings.
@@ -201,7 +221,7 @@ void AnimationOp::pass(const Stretch& stretch, const std::int32_t* const* in, st
             out[i] = frames_->patterns[static_cast<std::size_t>(frame)];
             continue;
         }
-        const Shown is = shown_within(in, i, stretch.step, *stretch.validity, followed);
+        const Shown is = shown_in(GivenCycles{*this, in, i}, stretch.step, *stretch.validity, followed);
         stretch.validity->meet(is.validity);
         out[i] = frames_->patterns[static_cast<std::size_t>(is.frame)];
     }
@@ -213,7 +233,7 @@ void AnimationOp::scatter(const Stretch& stretch, const std::int32_t* const* in,
     for (std::int32_t i = 0; i < stretch.count; ++i) {
         const CellAt& cell = stretch.scattered[i];
         if (!followed.holds.holds(cell.step)) followed = followed_at(cell.step);
-        const Shown is = shown_within(in, i, cell.step, cell.within, followed);
+        const Shown is = shown_in(GivenCycles{*this, in, i}, cell.step, cell.within, followed);
         if (frames_->line.frames() > 1) stretch.frames[i].meet(is.validity);
         out[i] = frames_->patterns[static_cast<std::size_t>(is.frame)];
     }

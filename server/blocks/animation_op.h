@@ -59,18 +59,28 @@ class AnimationOp final : public CellOp {
     };
     Followed followed_at(Step step) const noexcept;
 
+    /// What a cell shows at a step, right as far as it lies `within`, which holds then. `phase`: under all
+    /// settings; `rests`: a·Z under each. `followed`: what was at the step asked for before, and what is now.
+    Shown shown_within(std::int64_t phase, std::span<const std::int64_t> rests, Step step,
+                       const Validity& within, Followed& followed) const noexcept;
+
   private:
+    /// A cell's cycle under a setting: of what inputs give, or told.
+    struct GivenCycles;
+    struct ToldCycles;
     Cycle cycle_of(const AnimationSetting& setting, const std::int32_t* const* in,
                    std::int32_t i) const noexcept;
     void answer(const AnimationProbe& probe, const Stretch& stretch, const std::int32_t* const* in,
                 std::int32_t* out) const;
-    bool rests_within(const std::int32_t* const* in, std::int32_t i, const Validity& steps) const noexcept;
-    Shown shown_in_few(const std::int32_t* const* in, std::int32_t i, Step step,
-                       const Validity& within) const noexcept;
-    Shown shown_within(const std::int32_t* const* in, std::int32_t i, Step step,
-                       const Validity& within) const noexcept;
-    Shown shown_within(const std::int32_t* const* in, std::int32_t i, Step step, const Validity& within,
-                       const Followed& followed) const noexcept;
+    template <class CycleUnder>
+    bool rests_within(const CycleUnder& cycle_under, const Validity& steps) const noexcept;
+    template <class CycleUnder>
+    Shown shown_in_few(const CycleUnder& cycle_under, Step step, const Validity& within) const noexcept;
+    template <class CycleUnder>
+    Shown shown_in(const CycleUnder& cycle_under, Step step, const Validity& within) const noexcept;
+    template <class CycleUnder>
+    Shown shown_in(const CycleUnder& cycle_under, Step step, const Validity& within,
+                   const Followed& followed) const noexcept;
     void scatter(const Stretch& stretch, const std::int32_t* const* in, std::int32_t* out) const;
     void pass(const Stretch& stretch, const std::int32_t* const* in, std::int32_t* out) const;
 

@@ -25,6 +25,7 @@ struct CellDraw {
     std::uint64_t key = 0;    ///< Of its stream and grid.
     std::uint32_t count = 1;  ///< Draws 0 to count − 1.
     std::uint32_t types = 0;  ///< Of the grid's quadtree, once it is known to be typed.
+    std::uint64_t base = 0;   ///< stream_base(), once it is known to be independent.
 };
 
 /// What a map on the grid gives, dithered or not.

@@ -5,6 +5,7 @@
 
 #include "server/blocks/draw_field.h"
 #include "server/blocks/generators.h"
+#include "server/blocks/row_hash.h"
 #include "shared/math/hash.h"
 
 namespace tessera {
@@ -188,7 +189,8 @@ Result<void> choose_generators(Compilation& c) {
                 node.op = make_sigma_op(c.seed, draw);
                 break;
             default:
-                node.op = make_independent_op(c.seed, draw);
+                draw.base = stream_base(c.seed, draw.key);
+                node.op = make_independent_op(draw);
                 break;
         }
         std::string& note = c.notes[node.block];

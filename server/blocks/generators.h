@@ -6,8 +6,8 @@
 
 namespace tessera {
 
-/// `independent`: a counter hash of the cell.
-std::shared_ptr<const CellOp> make_independent_op(std::uint64_t seed, const CellDraw& draw);
+/// `independent`: a counter hash of the cell. The draw's base is known.
+std::shared_ptr<const CellOp> make_independent_op(const CellDraw& draw);
 
 /// `nested`: thresholds of DESIGN section 2, ⌊r·count⌋.
 std::shared_ptr<const CellOp> make_nested_op(std::uint64_t seed, const CellDraw& draw);

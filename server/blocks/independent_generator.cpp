@@ -46,8 +46,8 @@ class IndependentOp final : public CellOp {
 
 }  // namespace
 
-std::shared_ptr<const CellOp> make_independent_op(std::uint64_t seed, const CellDraw& draw) {
-    return std::make_shared<IndependentOp>(stream_base(seed, draw.key), draw.count);
+std::shared_ptr<const CellOp> make_independent_op(const CellDraw& draw) {
+    return std::make_shared<IndependentOp>(draw.base, draw.count);
 }
 
 }  // namespace tessera

@@ -86,7 +86,7 @@ class LookProgram final : public CellProgram {
                 [this, place](std::int32_t value, std::size_t setting) {
                     return looks_in(value, setting, place);
                 },
-                !found.steps && !found.drawn);
+                !found.steps && !found.drawn, framed_cells(*nodes, roots));
         }
     }
 
@@ -212,6 +212,21 @@ class LookProgram final : public CellProgram {
             found.drawn |= !is_typed;
         }
         return found;
+    }
+
+    /// Where a look is what an animation shows, and nothing else about it changes from cell to cell.
+    std::optional<RunningCells::Framed> framed_cells(const std::vector<CellNode>& nodes,
+                                                     const std::array<std::size_t, 5>& roots) const {
+        for (std::size_t root = 1; root < roots.size(); ++root)
+            if (!nodes[roots[root]].constant()) return std::nullopt;
+        auto cycles = MappedCycles::of(nodes, roots[0]);
+        if (!cycles) return std::nullopt;
+        const auto constant = [&](std::size_t root) { return nodes[roots[root]].least; };
+        return RunningCells::Framed{std::move(*cycles),
+                                    {.x = place_of(constant(1)),
+                                     .y = place_of(constant(2)),
+                                     .turn = steps_.turn(constant(3)),
+                                     .scale = steps_.scale(constant(4))}};
     }
 
     Stretch stretch_of(const CellRow& row, std::int32_t done) const noexcept {

@@ -15,12 +15,20 @@ constexpr std::size_t most_values = 1024;
 class RunningCells::Cells final : public StandingCells {
   public:
     /// `values`: entries are compared, and not what cells show.
-    Cells(const RunningCells& of, bool values, bool only_patterns, const Ask& ask)
-        : of_{of}, values_{values}, only_patterns_{only_patterns}, ask_{ask} {}
+    Cells(const RunningCells& of, std::int64_t z, bool values, bool only_patterns, const Ask& ask)
+        : of_{of}, z_{z}, values_{values}, only_patterns_{only_patterns}, ask_{ask} {}
 
     void ask(std::span<const CellAt> cells, std::span<Look> looks,
              std::span<Validity> frames) const override {
-        ask_(cells, looks, frames);
+        if (!of_.framed_) return ask_(cells, looks, frames);
+        const auto& [cycles, look] = *of_.framed_;
+        AnimationOp::Followed followed{0, 0, {0, 0}};
+        for (std::size_t i = 0; i < cells.size(); ++i) {
+            const Shown is = cycles.shown_within(cells[i], z_, followed);
+            frames[i] = is.validity;
+            looks[i] = look;
+            looks[i].pattern = cycles.pattern_of(is.frame);
+        }
     }
     Still still_at(Step step, const Look& look) const override {
         if (of_.animation_ == nullptr || values_) return still_ever(look);
@@ -49,13 +57,15 @@ class RunningCells::Cells final : public StandingCells {
     }
 
     const RunningCells& of_;
+    std::int64_t z_;
     bool values_, only_patterns_;
     const Ask& ask_;
 };
 
 RunningCells::RunningCells(const Scroll& scroll, const std::optional<VaryingMap>& varying,
-                           const AnimationOp* animation, LooksOf looks_of, bool only_map)
-    : scroll_{scroll}, animation_{animation}, looks_of_{std::move(looks_of)} {
+                           const AnimationOp* animation, LooksOf looks_of, bool only_map,
+                           std::optional<Framed> framed)
+    : scroll_{scroll}, animation_{animation}, looks_of_{std::move(looks_of)}, framed_{std::move(framed)} {
     if (!varying || possible_values(*varying->map).size() > most_values) return;
     map_ = std::make_shared<const StoredMap>(*varying->map);  // Shares its entries
     values_ = possible_values(*map_);
@@ -139,7 +149,8 @@ std::shared_ptr<const RunningCells::Kinds> RunningCells::make(Known& known) cons
 
 Validity RunningCells::through_shifts(const CellBlock& block, const SeenCells& seen, const Validity& frames,
                                       const Ask& ask) const {
-    return scroll_interval(scroll_, block, seen, frames, Cells{*this, false, seen.only_patterns(), ask});
+    return scroll_interval(scroll_, block, seen, frames,
+                           Cells{*this, block.z, false, seen.only_patterns(), ask});
 }
 
 Validity RunningCells::through_map(const CellBlock& block) const {
@@ -160,7 +171,7 @@ Validity RunningCells::through_map(const CellBlock& block) const {
     const std::int32_t value = kinds->looks[static_cast<std::size_t>(kind)].pattern;
     seen.see(wide.x, wide.y, std::span{&value, 1});
     // Of every entry it is known what it is, and that it stays so
-    return scroll_interval(scroll_, wide, seen, {}, Cells{*this, true, true, {}});
+    return scroll_interval(scroll_, wide, seen, {}, Cells{*this, block.z, true, true, {}});
 }
 
 std::size_t RunningCells::memory_bytes() const noexcept {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/blocks/animation_op.h"
+#include "server/blocks/mapped_cycles.h"
 #include "server/blocks/scroll_interval.h"
 
 namespace tessera {
@@ -19,10 +20,16 @@ class RunningCells {
     /// All that cells in entries of a value may show under a setting of their animation; none where that is
     /// not known.
     using LooksOf = std::function<std::vector<Look>(std::int32_t value, std::size_t setting)>;
+    /// What cells show that differ by their frames alone: `look`, with the frame's pattern.
+    struct Framed {
+        MappedCycles cycles;
+        Look look;
+    };
     /// `varying`: the program's, if steps and entries and draws are all that decides. `animation`: the only
-    /// one there is, if any; lives longer. `only_map`: entries alone decide.
+    /// one there is, if any; lives longer. `only_map`: entries alone decide. `framed`: if that is what cells
+    /// are.
     RunningCells(const Scroll& scroll, const std::optional<VaryingMap>& varying, const AnimationOp* animation,
-                 LooksOf looks_of, bool only_map);
+                 LooksOf looks_of, bool only_map, std::optional<Framed> framed);
 
     /// Asks cells as StandingCells::ask().
     using Ask =
@@ -62,6 +69,7 @@ class RunningCells {
     std::int64_t comes_again_ = 0;          ///< As StandingCells'.
     const AnimationOp* animation_;
     LooksOf looks_of_;
+    std::optional<Framed> framed_;
     mutable std::mutex mutex_;
     mutable std::list<Known> known_;  ///< Last used first.
     /// By setting, once asked for; of settings that are alike, the first.

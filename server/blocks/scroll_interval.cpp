@@ -1,6 +1,7 @@
 #include "server/blocks/scroll_interval.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdlib>
 #include <numeric>
@@ -355,12 +356,30 @@ std::int64_t shifts_again(const Scroll& scroll, const StandingCells& cells) noex
     return shifts <= most ? shifts : 0;
 }
 
+/// Whether the row that was kept shows something else a shift later, and a shift sooner: asked together,
+/// since nearly every page of this and that needs both, and no more.
+bool differs_on_both_sides(const Scroll& scroll, std::int64_t shift, const Validity& in_shift,
+                           const SeenCells& seen, const StandingCells& cells) {
+    if (!seen.differs_shifted()) return false;
+    const bool left = scroll.cells > 0;
+    const std::array odds{left ? seen.first() : seen.second(), left ? seen.second() : seen.first()};
+    const std::array<Step, 2> steps{in_shift.until, in_shift.from - 1};
+    const std::array<CellAt, 2> places{
+        {{odds[0].x + scroll.shifted(shift + 1), odds[0].y, steps[0], {steps[0], steps[0] + 1}},
+         {odds[1].x + scroll.shifted(shift - 1), odds[1].y, steps[1], {steps[1], steps[1] + 1}}}};
+    std::array<Look, 2> looks;
+    std::array<Validity, 2> frames;
+    cells.ask(places, looks, frames);
+    return !cells.same(looks[0], odds[0].look) && !cells.same(looks[1], odds[1].look);
+}
+
 }  // namespace
 
 Validity scroll_interval(const Scroll& scroll, const CellBlock& block, const SeenCells& seen,
                          const Validity& frames, const StandingCells& cells) {
+    const Validity in_shift = scroll.at(block.step).validity;
     Validity validity = frames;
-    validity.meet(scroll.at(block.step).validity);
+    validity.meet(in_shift);
     if (seen.empty()) return validity;
     if (seen.alike() && is_for_ever(block, seen.look(), cells)) return {};
     const std::int64_t shift = scroll.shift_at(block.step);
@@ -374,9 +393,12 @@ Validity scroll_interval(const Scroll& scroll, const CellBlock& block, const See
             MixedSearch{block, seen, frames, cells, way}.run();
         return way.end();
     };
-    const Validity in_shift = scroll.at(block.step).validity;
-    if (validity.until == in_shift.until && validity.until != never) validity.until = reach(true);
-    if (validity.from == in_shift.from && validity.from != always) validity.from = reach(false);
+    const bool goes_on = validity.until == in_shift.until && validity.until != never,
+               goes_back = validity.from == in_shift.from && validity.from != always;
+    if (goes_on && goes_back && !seen.alike() && differs_on_both_sides(scroll, shift, in_shift, seen, cells))
+        return validity;
+    if (goes_on) validity.until = reach(true);
+    if (goes_back) validity.from = reach(false);
     return validity;
 }
 
