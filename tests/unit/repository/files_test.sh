@@ -25,5 +25,17 @@ found=$(files '*' | while read -r file; do [[ -f $file ]] && echo "$file"; done 
     xargs -d '\n' grep -nIE '(^|[^[:alnum:]_./}-])/(ro''ot|wo''rk)/' /dev/null)
 [[ -z $found ]] || wrong "paths of one machine:"$'\n'"$found"
 
+# What a text sends its reader to has to be there: links from its folder, sources by the end of their path
+known=$'\n'$(files '*')$'\n'
+while read -r text; do
+    while read -r link; do
+        [[ -e $(dirname "$text")/$link ]] || wrong "$text: links to $link, which is not there"
+    done < <(grep -oP '(\]\(|^\[[^]]+\]: )\K[^)#\s]+' "$text" | grep -v '^https\?:')
+    while read -r named; do
+        [[ $known == *[/$'\n']"$named"$'\n'* ]] || wrong "$text: names $named, which is not there"
+    done < <(grep -oP '`\K(\.\.?/)*[\w/.-]*\w\.(cpp|h|inc|proto|glsl|mjs|sh)(?=`)' "$text" | sed -E 's|^(\.\.?/)+||' |
+        grep -v '^_' | sort -u)
+done < <(files '*.md')
+
 grep -q 'Apache License' LICENSE || wrong "LICENSE: is not the Apache License"
 finish
