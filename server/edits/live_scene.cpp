@@ -202,6 +202,7 @@ SpritePatterns LiveScene::patterns() const noexcept {
 /// Takes what waits, and gives what is possible to the journal.
 void LiveScene::commit(std::unique_lock<std::mutex> lock) {
     commits_ = true;
+    const PositioningMap before_commit = book_.map();
     std::vector<Append> batch;
     while (!waiting_.empty() && batch.size() < most_in_commit) {
         if (waiting_.front().group) {
@@ -233,6 +234,7 @@ void LiveScene::commit(std::unique_lock<std::mutex> lock) {
         }
     }
     if (batch.empty()) return finish(std::move(lock));
+    before_commit_ = before_commit;
     lock.unlock();
     journal_->append(std::move(batch),
                      [this](std::vector<AppendOutcome> outcomes) { settle(std::move(outcomes)); });
@@ -241,6 +243,7 @@ void LiveScene::commit(std::unique_lock<std::mutex> lock) {
 /// The journal has decided: book_ is brought to what is in.
 void LiveScene::settle(std::vector<AppendOutcome> outcomes) {
     std::unique_lock lock{mutex_};
+    before_commit_.reset();
     bool as_expected = true;
     Revision next = head_ + 1, target = 0;
     for (std::size_t i = 0; i < outcomes.size(); ++i) {
@@ -318,22 +321,28 @@ void LiveScene::take_history(History history, Revision target) {
     return head_ < target ? catch_up(std::move(lock), target) : finish(std::move(lock));
 }
 
+/// What is being committed may yet be refused.
+const PositioningMap& LiveScene::sprites_at_head() const noexcept {
+    return before_commit_ ? *before_commit_ : book_.map();
+}
+
 /// now() is what the book and the document say.
 void LiveScene::publish() {
     compile_document();
+    const PositioningMap& sprites = sprites_at_head();
     for (const Change& change : changes_)
         for (const TexelBox& box : change.dirty) page_revisions_.mark(box, change.revision);
     auto scene = std::make_shared<Scene>(*base_);
     scene->revision = head_;
     scene->fingerprint = fingerprint_with(base_->fingerprint, lineage_);
     scene->page_revisions = page_revisions_;
-    scene->sprites = book_.map();
+    scene->sprites = sprites;
     scene->clock = document_->clock;
     scene->message = document_->message;
     take_ground(*scene, *ground_, *document_);
-    scene->animated = scene->ground_animated || book_.map().living() > 0;
+    scene->animated = scene->ground_animated || sprites.living() > 0;
     if (scene->sprite_images)
-        scene->texture = make_sprite_texture(scene->ground, scene->sprite_images, book_.map());
+        scene->texture = make_sprite_texture(scene->ground, scene->sprite_images, sprites);
     now_.store(std::move(scene));
 }
 

@@ -137,6 +137,7 @@ class LiveScene final : public SceneNow {
     void take_history(History history, Revision target);
     void ask_for_retries(std::vector<Work> refused);
     void take_back();
+    const PositioningMap& sprites_at_head() const noexcept;
     void publish();
     SceneClock::Time now_at() const;
 
@@ -155,6 +156,7 @@ class LiveScene final : public SceneNow {
     mutable std::mutex mutex_;  ///< Guards what follows; never held while waiting for the disk or a handler.
     ScenePtr base_;
     SpriteBook book_;                               ///< At head_, and with what is being committed.
+    std::optional<PositioningMap> before_commit_;   ///< At head_, while book_ has more than that.
     std::shared_ptr<const LiveDocument> document_;  ///< At head_.
     ScenePtr ground_;                               ///< Compiled of document_, but for its targets.
     std::shared_ptr<const LiveDocument> compiled_;  ///< What ground_ was compiled of.

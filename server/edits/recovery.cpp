@@ -146,7 +146,7 @@ proto::LiveState LiveScene::state_of(const PositioningMap& map, const LiveDocume
 
 proto::LiveState LiveScene::state() const {
     std::unique_lock lock{mutex_};
-    const PositioningMap map = book_.map();
+    const PositioningMap map = sprites_at_head();
     const auto document = document_;
     const Revision revision = head_;
     lock.unlock();

@@ -242,6 +242,37 @@ TEST(LiveScene, AFailingDiskLosesNothingThatWasAcknowledgedAndNothingTwice) {
     expect_replayed(*live, journal);
 }
 
+TEST(LiveScene, AReloadWhileEditsAreBeingCommittedShowsNoneOfThem) {
+    // Whether they are in is not known then: a page must not show them under a revision that has none of them
+    for (const auto how : {FailingJournal::Next::refuses, FailingJournal::Next::works}) {
+        LiveScene* scene = nullptr;
+        bool reloads = false;
+        std::vector<float> seen;
+        std::uint64_t revision = 0;
+        proto::LiveState state;
+        const auto live = open(memory_journal({}), [&] {
+            if (!reloads) return FailingJournal::Next::works;
+            scene->rebase(made_scene());
+            seen = texels_of(*scene->now());
+            revision = scene->now()->revision;
+            state = scene->state();
+            return how;
+        });
+        scene = live.get();
+        ASSERT_TRUE(accepted(edit_and_wait(*live, placing(1, 100, 100))));
+        const auto before = texels_of(*live->now());
+        reloads = true;
+        const auto outcome = edit_and_wait(*live, moving(1, 128, 100));
+        ASSERT_EQ(accepted(outcome) != nullptr, how == FailingJournal::Next::works);
+        EXPECT_EQ(seen, before);
+        EXPECT_EQ(revision, 1u);
+        ASSERT_EQ(state.sprites_size(), 1);
+        EXPECT_EQ(state.sprites(0).x(), 100);
+        EXPECT_EQ(state.revision(), 1u);
+        EXPECT_EQ(texels_of(*live->now()) == before, how == FailingJournal::Next::refuses);
+    }
+}
+
 TEST(LiveScene, MovesWithTheClockWhileAnySpriteDoes) {
     const auto live = open(memory_journal({}));
     ASSERT_TRUE(accepted(edit_and_wait(*live, placing(1, 50, 50))));
