@@ -237,7 +237,8 @@ void StreamSession::refuse_edit(const std::string& id, const EditRefusal& refusa
 
 void StreamSession::take_presence(const proto::Presence& presence) {
     const proto::SpritePlacement& held = presence.held();
-    for (const double number : {presence.x(), presence.y(), held.x(), held.y(), held.scale(), held.turn()})
+    for (const double number : {presence.x(), presence.y(), held.x(), held.y(), held.scale(), held.turn(),
+                                held.path().to_x(), held.path().to_y()})
         if (!std::isfinite(number))
             return goodbye(Goodbye::wrong_message, "presence: a number is not finite", 1008);
     if (presence.selected_size() > 64)

@@ -31,9 +31,11 @@ class MixedScene {
         std::ofstream{files_.folder() / "scene.json"} << json;
     }
     /// A server whose edits are kept in `edits`.
-    Program serve(const tests::TemporaryFolder& edits) const {
-        return Program{{"serve", "--scenes", files_.folder().string(), "--listen", "127.0.0.1:0", "--edits",
-                        edits.path.string()}};
+    Program serve(const tests::TemporaryFolder& edits, const std::vector<std::string>& more = {}) const {
+        std::vector<std::string> words{"serve",       "--scenes", files_.folder().string(), "--listen",
+                                       "127.0.0.1:0", "--edits",  edits.path.string()};
+        words.insert(words.end(), more.begin(), more.end());
+        return Program{words};
     }
     static std::optional<Reply> send(RawClient& client, const proto::Edit& edit) {
         if (!client.send(post("meadow", write_brief_json(edit)))) return std::nullopt;

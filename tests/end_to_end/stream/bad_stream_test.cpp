@@ -259,6 +259,11 @@ TEST(BadStream, WithTooMuchOfSomethingIsToldWhat) {
     ended([](auto& message) { message.mutable_presence()->set_x(std::nan("")); }, "finite");
     ended(
         [](auto& message) {
+            message.mutable_presence()->mutable_held()->mutable_path()->set_to_y(std::nan(""));
+        },
+        "finite");
+    ended(
+        [](auto& message) {
             for (int i = 0; i < 65; ++i) message.mutable_presence()->add_selected(1);
         },
         "64");
