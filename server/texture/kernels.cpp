@@ -1,7 +1,10 @@
 #include "server/texture/kernels.h"
 
+#include <array>
 #include <cstdlib>
 #include <string_view>
+
+#include "shared/math/srgb.h"
 
 namespace tessera {
 
@@ -27,6 +30,16 @@ KernelList available_kernels() noexcept {
         list.items[list.count++] = &kernels_avx512::table;
 #endif
     return list;
+}
+
+const std::uint16_t* last_steps_of_codes() noexcept {
+    static const auto table = [] {
+        std::array<std::uint16_t, 256> last{};
+        for (std::size_t step = 0; step < steps_to_srgb().size(); ++step)
+            last[steps_to_srgb()[step]] = static_cast<std::uint16_t>(step);
+        return last;
+    }();
+    return table.data();
 }
 
 const Kernels& kernels() noexcept {

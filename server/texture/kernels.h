@@ -78,6 +78,9 @@ struct Kernels {
 /// The best that this processor runs; `TESSERA_KERNELS=x86-64|avx2|avx512` in the environment asks for less.
 const Kernels& kernels() noexcept;
 
+/// For each sRGB code the last linear step that is nearest to it: 256 of them, for kernels to decide by.
+const std::uint16_t* last_steps_of_codes() noexcept;
+
 /// All that this processor runs, plainest first: tests hold them equal.
 struct KernelList {
     const Kernels* items[3] = {};

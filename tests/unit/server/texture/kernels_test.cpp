@@ -33,6 +33,38 @@ TEST(Kernels, EncodeClampsAndRoundsLikeTheTableForEveryWidth) {
     }
 }
 
+TEST(Kernels, EncodeGivesTheNearestCodeOfEveryStepAndFromTheFirstFloatOfIt) {
+    std::vector<float> rgb{-INFINITY, -1.0F, INFINITY, 2.0F, NAN, -0.0F};
+    for (int step = 0; step < 65536; ++step) {
+        const float middle = static_cast<float>(step) / linear_one;
+        float first = (static_cast<float>(step) - 0.5F) / linear_one;
+        while (to_steps(first) < step) first = std::nextafter(first, 2.0F);
+        rgb.insert(rgb.end(), {middle, first, std::nextafter(first, -1.0F)});
+    }
+    std::vector<std::uint8_t> rgba(rgb.size() / 3 * 4);
+    for (std::size_t k = 0; k < available_kernels().count; ++k) {
+        available_kernels().items[k]->encode(rgb.data(), static_cast<std::int32_t>(rgb.size() / 3),
+                                             rgba.data());
+        for (std::size_t i = 0; i < rgb.size(); ++i)
+            ASSERT_EQ(rgba[i / 3 * 4 + i % 3], steps_to_srgb()[to_steps(rgb[i])])
+                << available_kernels().items[k]->name << " of " << rgb[i];
+    }
+}
+
+TEST(Kernels, EncodeBlendedGivesTheNearestCodeOfEveryStep) {
+    constexpr std::int32_t width = 65536 / 3 + 1;
+    const std::vector<std::uint8_t> tile(std::size_t{width} * 4 + 32, 0);
+    for (std::size_t k = 0; k < available_kernels().count; ++k) {
+        std::vector<std::int32_t> sums(std::size_t{width} * 4);
+        for (int step = 0; step < 65536; ++step) sums[std::size_t(step / 3 * 4 + step % 3)] = step * 32768;
+        std::vector<std::uint8_t> rgba(std::size_t{width} * 4);
+        available_kernels().items[k]->encode_blended(sums.data(), tile.data(), width, rgba.data());
+        for (std::size_t step = 0; step < 65536; ++step)
+            ASSERT_EQ(rgba[step / 3 * 4 + step % 3], steps_to_srgb()[step])
+                << available_kernels().items[k]->name;
+    }
+}
+
 TEST(Kernels, BlendAddsTheWeightedDifferenceFromTheTile) {
     constexpr std::int32_t width = 37;
     std::vector<std::uint8_t> tile, content[2];
