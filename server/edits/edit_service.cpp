@@ -38,10 +38,20 @@ Result<std::shared_ptr<LiveScene>> EditService::open(const ScenePtr& scene, Prog
 
 void EditService::adopt(Catalog& catalog, Progress& progress) {
     for (const auto& [id, scene] : catalog.scenes) {
-        if (!scene->ground && !scene->document) continue;
-        std::shared_ptr<LiveScene> live = find(id);
+        std::shared_ptr<LiveScene> live;
+        {
+            // Where files take no edits any more the journal waits until they do again
+            const std::lock_guard lock{mutex_};
+            const auto known = scenes_.find(id);
+            const bool takes_edits = scene->ground || scene->document;
+            if (known != scenes_.end() && !takes_edits) resting_.insert(id);
+            if (!takes_edits) continue;
+            if (known != scenes_.end()) live = known->second;
+        }
         if (live) {
             live->rebase(scene);
+            const std::lock_guard lock{mutex_};
+            resting_.erase(id);
         } else {
             auto opened = open(scene, progress);
             const std::lock_guard lock{mutex_};
@@ -105,7 +115,7 @@ void EditService::update_gauges() {
 std::shared_ptr<LiveScene> EditService::find(std::string_view scene) const {
     const std::lock_guard lock{mutex_};
     const auto found = scenes_.find(scene);
-    return found == scenes_.end() ? nullptr : found->second;
+    return found == scenes_.end() || resting_.contains(scene) ? nullptr : found->second;
 }
 
 std::map<std::string, std::string, std::less<>> EditService::troubles() const {

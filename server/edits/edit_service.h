@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -53,6 +54,7 @@ class EditService {
     std::mutex updating_;       ///< Held while gauges are updated.
     mutable std::mutex mutex_;  ///< Guards what follows.
     std::map<std::string, std::shared_ptr<LiveScene>, std::less<>> scenes_;
+    std::set<std::string, std::less<>> resting_;  ///< Of these: their files take no edits now.
     std::map<std::string, std::string, std::less<>> troubles_;
 };
 

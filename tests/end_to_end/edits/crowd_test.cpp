@@ -131,6 +131,31 @@ TEST_F(Crowd, ReloadsInTheMiddleLoseNothing) {
     EXPECT_EQ(reader.get(page)->body, lived);
 }
 
+TEST_F(Crowd, ASceneWhoseFileTakesNoEditsAnyMoreRefusesThemUntilItDoesAgain) {
+    Program program = serve({});
+    RawClient client{program.port()};
+    answer_in(*send(client, placing(1, 100, 100)));
+    const std::string page = "/scenes/sprites/6/0/0.png", edited = client.get(page)->body;
+    const std::filesystem::path file = folder.path / "sprites" / "scene.json";
+    std::filesystem::rename(file, folder.path / "before.json");
+    const auto reload = [&] {
+        program.forget();
+        program.signal(SIGHUP);
+        EXPECT_TRUE(program.says("reloaded: ")) << program.errors();
+    };
+    write("sprites/scene.json", std::string{R"({"checker": {"cell_texels": 8}, "extent_log2_pages": 6})"});
+    reload();
+    EXPECT_NE(client.get(page)->body, edited);
+    const auto refused = send(client, moving(1, 200, 100));
+    ASSERT_TRUE(refused);
+    EXPECT_EQ(refused->status, 400) << "nobody would see it";
+    EXPECT_NE(refused->body.find("takes no edits"), std::string::npos) << refused->body;
+    std::filesystem::rename(folder.path / "before.json", file);
+    reload();
+    EXPECT_TRUE(client.get(page)->body == edited);
+    EXPECT_EQ(answer_in(*send(client, moving(1, 200, 100))).revision(), 2u);
+}
+
 TEST_F(Crowd, WithoutARoomForItsJournalASceneIsServedAndRefusesEdits) {
     write("edits", std::string{"a file where the folder should be"});
     Program program = serve({"--edits", (folder.path / "edits").string()});
