@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "client/residency/coarse_cover.h"
+
 namespace tessera {
 namespace {
-
-constexpr std::size_t most_kept = 128;  ///< 36 MB
 
 bool shows(const PageVersion& version, std::uint64_t revision) {
     return version.scene_revision >= revision || version.revision >= revision;
@@ -36,14 +36,44 @@ bool PageHolds::keeps(PageKey page, const PageVersion& version) const {
     });
 }
 
+bool PageHolds::keeps_any(PageKey page) const {
+    return std::ranges::any_of(
+        holds_, [&](const PageHold& hold) { return hold.waits && meets_any(box_of_page(page), hold.boxes); });
+}
+
+void PageHolds::await(std::span<const NeededPage> needed, Extent extent) {
+    std::vector<NeededPage> pages;
+    for (const NeededPage& page : needed)
+        if (keeps_any(page.key)) pages.push_back(page);
+    instead_.clear();
+    if (pages.size() > most_) {
+        pages = coarse_cover(pages, most_, extent, [](PageKey) { return true; });
+        instead_ = pages;
+    }
+    awaited_.clear();
+    for (const NeededPage& page : pages) awaited_.push_back(page.key);
+    std::ranges::sort(awaited_);
+}
+
+bool PageHolds::has_room_for(PageKey page) const {
+    return std::ranges::binary_search(awaited_, page) ||
+           (instead_.empty() && (kept_.size() < most_ || kept(page)));
+}
+
 void PageHolds::keep(ArrivedPage page) {
     const auto found =
         std::ranges::find_if(kept_, [&](const ArrivedPage& other) { return other.page == page.page; });
     if (found != kept_.end()) {
         if (is_newer(page.version, found->version)) *found = std::move(page);
-    } else if (kept_.size() < most_kept) {
-        kept_.push_back(std::move(page));
+        return;
     }
+    if (!has_room_for(page.page)) return;
+    if (kept_.size() >= most_) {
+        const auto other = std::ranges::find_if(
+            kept_, [&](const ArrivedPage& one) { return !std::ranges::binary_search(awaited_, one.page); });
+        if (other != kept_.end()) kept_.erase(other);
+    }
+    kept_.push_back(std::move(page));
 }
 
 const ArrivedPage* PageHolds::kept(PageKey page) const {
@@ -52,44 +82,44 @@ const ArrivedPage* PageHolds::kept(PageKey page) const {
     return found == kept_.end() ? nullptr : &*found;
 }
 
-std::vector<std::uint32_t> PageHolds::end_complete(
-    std::span<const NeededPage> needed,
-    const std::function<bool(PageKey page, std::uint64_t revision)>& is_settled) {
-    std::vector<std::uint32_t> ended;
+std::vector<PageHold> PageHolds::end_complete(std::span<const NeededPage> needed, const IsSettled& is_settled,
+                                              const Outlives& outlives) {
+    const std::span<const NeededPage> awaited = instead_.empty() ? needed : instead_;
     const auto has_come = [&](const PageHold& hold, PageKey page) {
         const ArrivedPage* waiting = kept(page);
         return (waiting && shows(waiting->version, hold.revision)) || is_settled(page, hold.revision);
     };
+    std::vector<const PageHold*> ending;
+    const auto ends = [&](const PageHold& hold) { return std::ranges::find(ending, &hold) != ending.end(); };
     // What waits for another hold, too, would show that one's change before its time
     const auto is_free = [&](const PageHold& hold) {
-        return std::ranges::none_of(kept_, [&](const ArrivedPage& page) {
-            const TexelBox box = box_of_page(page.page);
-            return meets_any(box, hold.boxes) && std::ranges::any_of(holds_, [&](const PageHold& other) {
-                       return other.id != hold.id && std::ranges::find(ended, other.id) == ended.end() &&
-                              other.waits && meets_any(box, other.boxes) &&
-                              (other.revision == 0 || shows(page.version, other.revision));
-                   });
-        });
+        std::vector<const PageHold*> others;
+        for (const PageHold& other : holds_)
+            if (!ends(other)) others.push_back(&other);
+        return outlives(hold, others) && std::ranges::none_of(kept_, [&](const ArrivedPage& page) {
+                   const TexelBox box = box_of_page(page.page);
+                   return meets_any(box, hold.boxes) &&
+                          std::ranges::any_of(others, [&](const PageHold* other) {
+                              return other->waits && meets_any(box, other->boxes) &&
+                                     (other->revision == 0 || shows(page.version, other->revision));
+                          });
+               });
     };
     // Holds that wait for each other's pages end together
-    std::vector<const PageHold*> complete;
     for (const PageHold& hold : holds_)
-        if (hold.waits && hold.revision != 0 && std::ranges::all_of(needed, [&](const NeededPage& page) {
+        if (hold.waits && hold.revision != 0 && std::ranges::all_of(awaited, [&](const NeededPage& page) {
                 return !meets_any(box_of_page(page.key), hold.boxes) || has_come(hold, page.key);
             }))
-            complete.push_back(&hold);
-    for (const PageHold* hold : complete) ended.push_back(hold->id);
-    for (bool again = true; again;) {
-        again = false;
-        for (const PageHold* hold : complete) {
-            const auto at = std::ranges::find(ended, hold->id);
-            if (at == ended.end() || is_free(*hold)) continue;
-            ended.erase(at);
-            again = true;
-        }
-    }
-    std::erase_if(holds_,
-                  [&](const PageHold& hold) { return std::ranges::find(ended, hold.id) != ended.end(); });
+            ending.push_back(&hold);
+    const auto bound = [&] {
+        return std::ranges::find_if(ending, [&](const PageHold* hold) { return !is_free(*hold); });
+    };
+    for (auto one = bound(); one != ending.end(); one = bound()) ending.erase(one);
+    std::vector<PageHold> ended;
+    for (const PageHold* hold : ending) ended.push_back(*hold);
+    std::erase_if(holds_, [&](const PageHold& hold) {
+        return std::ranges::any_of(ended, [&](const PageHold& one) { return one.id == hold.id; });
+    });
     return ended;
 }
 

@@ -5,12 +5,8 @@
 namespace tessera {
 namespace {
 
-std::uint32_t packed(const std::optional<ShownPage>& page) {
-    return page ? std::uint32_t{page->slot} | std::uint32_t{page->level} << 16 : TableEntry::nothing;
-}
-
-int shown_level(const TableEntry& entry) {
-    return entry.shown == TableEntry::nothing ? 255 : static_cast<int>(entry.shown >> 16);
+std::uint32_t packed(const ShownPage& page) {
+    return std::uint32_t{page.slot} | std::uint32_t{page.level} << 16;
 }
 
 }  // namespace
@@ -21,6 +17,7 @@ PageTable::PageTable(Extent extent, int window_side)
     for (int level = extent_.n; level >= 0; --level) {
         Window& window = windows_[static_cast<std::size_t>(level)];
         window.entries.resize(side * side);
+        window.levels.resize(side * side);
         window.left = window.top = -window_side / 2;
         for (std::int64_t y = window.top; y < window.top + window_side; ++y)
             for (std::int64_t x = window.left; x < window.left + window_side; ++x)
@@ -28,26 +25,31 @@ PageTable::PageTable(Extent extent, int window_side)
     }
 }
 
-TableEntry& PageTable::entry(Window& window, std::int64_t x, std::int64_t y) {
+PageTable::Place PageTable::place(Window& window, std::int64_t x, std::int64_t y) {
     const auto mask = static_cast<std::int64_t>(window_side_ - 1);
-    return window.entries[static_cast<std::size_t>((y & mask) * window_side_ + (x & mask))];
+    const auto at = static_cast<std::size_t>((y & mask) * window_side_ + (x & mask));
+    return {window.entries[at], window.levels[at]};
 }
 
 /// The entry of a page that has come into its window. Coarser windows are up to date already.
 void PageTable::fill(std::uint8_t level, std::int64_t x, std::int64_t y) {
-    TableEntry& target = entry(windows_[level], x, y);
-    target = {TableEntry::nothing, static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), 0};
+    const Place target = place(windows_[level], x, y);
+    target.entry = {TableEntry::nothing, static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), 0};
+    target.level = none;
     const std::int64_t side = extent_.side_pages(level);
     if (x < 0 || y < 0 || x >= side || y >= side) return;
     const PageKey key{level, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y)};
-    if (const auto found = resident_.find(key); found != resident_.end()) {
-        target.shown = packed(found->second);
-        target.arrival_ms = found->second.arrival_ms;
+    if (resident_.contains(key)) {
+        const ShownPage& where = drawn(key);
+        target.entry.shown = packed(where);
+        target.entry.arrival_ms = where.arrival_ms;
+        target.level = level;
     } else if (level < extent_.n) {
         // The parent is in its own window: that window reaches at least as far around the same centre
-        const TableEntry& coarser = entry(windows_[std::size_t{level} + 1], x >> 1, y >> 1);
-        target.shown = coarser.shown;
-        target.arrival_ms = coarser.arrival_ms;
+        const Place coarser = place(windows_[std::size_t{level} + 1], x >> 1, y >> 1);
+        target.entry.shown = coarser.entry.shown;
+        target.entry.arrival_ms = coarser.entry.arrival_ms;
+        target.level = coarser.level;
     }
 }
 
@@ -75,7 +77,7 @@ void PageTable::move_to(std::int64_t texel_x, std::int64_t texel_y) {
     }
 }
 
-/// Calls update(entry) for the page's own entry and all its descendants', as far as they are in a window.
+/// Calls update(place) for the page's own entry and all its descendants', as far as they are in a window.
 template <class Update>
 void PageTable::for_descendants(PageKey page, Update update) {
     for (int level = page.level; level >= 0; --level) {
@@ -88,37 +90,78 @@ void PageTable::for_descendants(PageKey page, Update update) {
         if (left >= right || top >= bottom) return;  // finer windows lie inside this one
         for (std::int64_t y = top; y < bottom; ++y)
             for (std::int64_t x = left; x < right; ++x)
-                if (update(entry(window, x, y))) window.changed = true;
+                if (update(place(window, x, y))) window.changed = true;
     }
 }
 
 void PageTable::show(PageKey page, ShownPage where) {
     where.level = page.level;
     resident_[page] = where;
-    for_descendants(page, [&](TableEntry& shown) {
-        if (shown_level(shown) < page.level) return false;
-        shown.shown = packed(where);
-        shown.arrival_ms = where.arrival_ms;
+    const ShownPage& now = drawn(page);
+    for_descendants(page, [&](Place at) {
+        if (at.level < page.level) return false;
+        at.entry.shown = packed(now);
+        at.entry.arrival_ms = now.arrival_ms;
+        at.level = page.level;
         return true;
     });
 }
 
 void PageTable::hide(PageKey page) {
     if (resident_.erase(page) == 0) return;
-    const auto cover = shown_for(page);
-    for_descendants(page, [&](TableEntry& shown) {
-        if (shown_level(shown) != page.level) return false;
-        shown.shown = packed(cover);
-        shown.arrival_ms = cover ? cover->arrival_ms : 0;
+    instead_.erase(page);
+    const auto cover = cover_of(page);
+    for_descendants(page, [&](Place at) {
+        if (at.level != page.level) return false;
+        at.entry.shown = cover ? packed(drawn(*cover)) : TableEntry::nothing;
+        at.entry.arrival_ms = cover ? drawn(*cover).arrival_ms : 0;
+        at.level = cover ? cover->level : none;
         return true;
     });
 }
 
-std::optional<ShownPage> PageTable::shown_for(PageKey page) const {
+void PageTable::show_instead(PageKey page, ShownPage where) {
+    if (!resident_.contains(page)) return;
+    instead_[page] = where;
+    redraw(page);
+}
+
+void PageTable::show_itself(PageKey page) {
+    if (instead_.erase(page) != 0) redraw(page);
+}
+
+/// All entries that show this resident page, or what is shown instead of it.
+void PageTable::redraw(PageKey resident) {
+    const ShownPage& now = drawn(resident);
+    for_descendants(resident, [&](Place at) {
+        if (at.level != resident.level) return false;
+        at.entry.shown = packed(now);
+        at.entry.arrival_ms = now.arrival_ms;
+        return true;
+    });
+}
+
+const ShownPage& PageTable::drawn(PageKey resident) const {
+    const auto instead = instead_.find(resident);
+    return instead != instead_.end() ? instead->second : resident_.at(resident);
+}
+
+/// The page itself or its finest resident ancestor.
+std::optional<PageKey> PageTable::cover_of(PageKey page) const {
     for (;; page = parent(page)) {
-        if (const auto found = resident_.find(page); found != resident_.end()) return found->second;
+        if (resident_.contains(page)) return page;
         if (page.level >= extent_.n) return std::nullopt;
     }
+}
+
+std::optional<ShownPage> PageTable::shown_for(PageKey page) const {
+    const auto cover = cover_of(page);
+    return cover ? std::optional{drawn(*cover)} : std::nullopt;
+}
+
+std::optional<ShownPage> PageTable::resident_for(PageKey page) const {
+    const auto cover = cover_of(page);
+    return cover ? std::optional{resident_.at(*cover)} : std::nullopt;
 }
 
 bool PageTable::in_window(PageKey page) const {

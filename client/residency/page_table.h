@@ -53,8 +53,16 @@ class PageTable {
     /// The page is in no slot any more.
     void hide(PageKey page);
 
+    /// A resident page is shown out of another slot, which has this page or an ancestor of it (`where.level`)
+    /// in another state, for as long as it is resident; its descendants, where it covers for them, too.
+    void show_instead(PageKey page, ShownPage where);
+    /// It is shown itself again.
+    void show_itself(PageKey page);
+
     /// What is shown for a page of the extent, inside or outside of its level's window.
     std::optional<ShownPage> shown_for(PageKey page) const;
+    /// The page itself or its finest resident ancestor, whatever is shown instead of it.
+    std::optional<ShownPage> resident_for(PageKey page) const;
     bool in_window(PageKey page) const;
 
     Extent extent() const { return extent_; }
@@ -73,13 +81,22 @@ class PageTable {
         std::int64_t left = 0;  ///< The first page of the window
         std::int64_t top = 0;
         std::vector<TableEntry> entries;
+        std::vector<std::uint8_t> levels;  ///< Of the resident page that each entry shows, or `none`
         bool changed = true;
     };
+    static constexpr std::uint8_t none = 255;
+    struct Place {
+        TableEntry& entry;
+        std::uint8_t& level;
+    };
 
-    TableEntry& entry(Window& window, std::int64_t x, std::int64_t y);
+    Place place(Window& window, std::int64_t x, std::int64_t y);
     void fill(std::uint8_t level, std::int64_t x, std::int64_t y);
     template <class Update>
     void for_descendants(PageKey page, Update update);
+    std::optional<PageKey> cover_of(PageKey page) const;
+    const ShownPage& drawn(PageKey resident) const;
+    void redraw(PageKey resident);
 
     Extent extent_;
     int window_side_;
@@ -87,6 +104,7 @@ class PageTable {
     std::int64_t centre_y_ = 0;
     std::vector<Window> windows_;  ///< By level
     std::unordered_map<PageKey, ShownPage> resident_;
+    std::unordered_map<PageKey, ShownPage> instead_;  ///< Of resident pages
 };
 
 }  // namespace tessera

@@ -2,17 +2,14 @@
 
 #include <algorithm>
 
+#include "client/residency/coarse_cover.h"
+
 namespace tessera {
 namespace {
 
 constexpr double first_of_all = 1e15;  ///< More than any pixels × levels.
 constexpr double in_order = 1e12;
 constexpr int step_levels = 2;
-
-bool covers(PageKey coarse, PageKey fine) {
-    const int levels = coarse.level - fine.level;
-    return levels >= 0 && fine.x >> levels == coarse.x && fine.y >> levels == coarse.y;
-}
 
 }  // namespace
 
@@ -45,7 +42,7 @@ void PageWants::count(const Missing& missing, int before, double sign) {
 void PageWants::add(const std::vector<NeededPage>& needed, double weight, bool in_view) {
     const int nothing = table_.extent().n + 1;
     for (const NeededPage& page : needed) {
-        const auto shown = table_.shown_for(page.key);
+        const auto shown = table_.resident_for(page.key);
         const int level = shown ? shown->level : nothing;
         const double pixels = weight * page.pixels;
         if (shown) {

@@ -22,6 +22,7 @@ Residency::Residency(Extent extent, PageSource& source, const ResidencySettings&
       table_{extent, settings.window_side},
       cache_{settings.slots},
       requests_{source, settings.requests},
+      holds_{settings.kept},
       stand_ins_{source, settings.stand_ins} {}
 
 ResidencyFrame Residency::update(const PlaneView& view, FrameTime time, const Sampling& sampling) {
@@ -33,12 +34,14 @@ ResidencyFrame Residency::update(const PlaneView& view, FrameTime time, const Sa
     std::vector<NeededPage> needed = need(view, sampling);
     mark_used(needed);
     hear_news();
+    holds_.await(needed, extent_);
     ResidencyFrame frame;
     frame.uploads = place_arrivals(time);
     watch(needed);
     frame.ended_holds = end_holds(needed, time, frame.uploads);
     for (SlotUpload& upload : stand_ins_.update(needed, holds_.holds(), cache_, versions_, time.step, table_))
         frame.uploads.push_back(std::move(upload));
+    frame.unlifted_holds = stand_ins_.unlifted_holds();
     requests_.want(wanted(view, needed, time, sampling), time.now);
 
     frame.lod_bias = lod_bias_;
@@ -46,7 +49,7 @@ ResidencyFrame Residency::update(const PlaneView& view, FrameTime time, const Sa
     double pixels = 0, sharp = 0, deficit = 0;
     for (const NeededPage& page : needed) {
         pixels += page.pixels;
-        const auto shown = table_.shown_for(page.key);
+        const auto shown = table_.resident_for(page.key);
         const int missing = (shown ? shown->level : extent_.n + 1) - page.key.level;
         if (missing == 0) {
             sharp += page.pixels;
@@ -102,7 +105,7 @@ std::vector<NeededPage> Residency::need(const PlaneView& view, const Sampling& s
 /// Needed pages stay in this frame. What covers for a missing one goes last of all others.
 void Residency::mark_used(const std::vector<NeededPage>& needed) {
     for (const NeededPage& page : needed) {
-        const auto shown = table_.shown_for(page.key);
+        const auto shown = table_.resident_for(page.key);
         if (!shown) continue;
         PageKey at = page.key;
         while (at.level < shown->level) at = parent(at);
@@ -147,7 +150,7 @@ std::vector<SlotUpload> Residency::place_arrivals(const FrameTime& time) {
 /// Whether what is shown of a page has all that edits up to a revision changed of it.
 bool Residency::is_settled(PageKey page, std::uint64_t revision) const {
     if (requests_.is_given_up(page)) return true;
-    const auto shown = table_.shown_for(page);
+    const auto shown = table_.resident_for(page);
     while (shown && page.level < shown->level) page = parent(page);
     return versions_.has_seen(page, revision);
 }
@@ -157,11 +160,40 @@ bool Residency::is_settled(PageKey page, std::uint64_t revision) const {
 std::vector<std::uint32_t> Residency::end_holds(const std::vector<NeededPage>& needed, const FrameTime& time,
                                                 std::vector<SlotUpload>& uploads) {
     if (holds_.empty()) return {};
-    std::vector<std::uint32_t> ended = holds_.end_complete(
-        needed, [&](PageKey page, std::uint64_t revision) { return is_settled(page, revision); });
+    const bool waits_for_coarser = !holds_.awaited_instead().empty();
+    const std::vector<PageHold> ended = holds_.end_complete(
+        needed, [&](PageKey page, std::uint64_t revision) { return is_settled(page, revision); },
+        [&](const PageHold& hold, const std::vector<const PageHold*>& others) {
+            return stand_ins_.outlive(hold, others);
+        });
     for (ArrivedPage& page : holds_.take_free())
         if (auto upload = place(std::move(page), time)) uploads.push_back(std::move(*upload));
-    return ended;
+    std::vector<std::uint32_t> ids;
+    for (const PageHold& hold : ended) {
+        ids.push_back(hold.id);
+        if (!waits_for_coarser) continue;
+        for (const NeededPage& page : needed)
+            if (meets_any(box_of_page(page.key), hold.boxes)) drop_older(page.key, hold.revision);
+    }
+    return ids;
+}
+
+/// Coarser pages have come for a page that has not: it is shown by these.
+void Residency::drop_older(PageKey page, std::uint64_t revision) {
+    std::vector<PageKey> older;
+    while (!is_settled(page, revision)) {
+        const auto shown = table_.resident_for(page);
+        if (!shown) return;
+        while (page.level < shown->level) page = parent(page);
+        if (page.level == extent_.n || is_pinned(page)) return;
+        older.push_back(page);
+        page = parent(page);
+    }
+    for (const PageKey one : older) {
+        cache_.remove(one);
+        table_.hide(one);
+        versions_.forget(one);
+    }
 }
 
 std::optional<SlotUpload> Residency::place(ArrivedPage arrived, const FrameTime& time) {
@@ -219,6 +251,7 @@ std::vector<WantedPage> Residency::wanted(const PlaneView& view, const std::vect
     const CreditWindow& window = requests_.window();
     const ClientTime ahead = (window.round_trip() + window.frame_time()) * 3 / 2;
     wants.add(needed, 1, true);
+    wants.add({holds_.awaited_instead().begin(), holds_.awaited_instead().end()}, 1, true);
     if (const auto camera = settings_.prefetch ? motion_.in(ahead, extent_) : std::nullopt) {
         std::vector<NeededPage> soon = needed_pages(view.from(*camera), extent_, lod_bias_, sampling);
         std::erase_if(soon, [&](const NeededPage& page) { return !table_.in_window(page.key); });
@@ -251,7 +284,10 @@ std::vector<WantedPage> Residency::wanted(const PlaneView& view, const std::vect
     }
     std::vector<WantedPage> pages = wants.take(requests_.room());
     if (!holds_.empty())
-        std::erase_if(pages, [&](const WantedPage& want) { return is_kept(want.page, want.step); });
+        std::erase_if(pages, [&](const WantedPage& want) {
+            return is_kept(want.page, want.step) ||
+                   (holds_.keeps_any(want.page) && !holds_.has_room_for(want.page));
+        });
     return pages;
 }
 
@@ -275,14 +311,14 @@ void Residency::watch(const std::vector<NeededPage>& needed) {
 std::size_t Residency::cache_slots(std::size_t slots) const { return std::max(slots, 2 * pinned_room()); }
 
 SlotCache::Resized Residency::resize(std::size_t slots) {
-    stand_ins_.clear(cache_, table_);
+    stand_ins_.clear(table_);
     SlotCache::Resized resized = cache_.resize(cache_slots(slots));
     for (const PageKey page : resized.dropped) {
         table_.hide(page);
         versions_.forget(page);
     }
     for (const SlotCache::Move& move : resized.moves) {
-        auto where = table_.shown_for(move.page).value();
+        auto where = table_.resident_for(move.page).value();
         where.slot = move.to;
         table_.show(move.page, where);
     }

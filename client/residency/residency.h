@@ -33,7 +33,10 @@ struct ResidencySettings {
     /// Pages are asked for before they are seen, where the camera is going; false: only once they are.
     bool prefetch = true;
     /// Slots behind those of the cache, for pages without what a hand has lifted (StandIns).
-    std::size_t stand_ins = 24;
+    std::size_t stand_ins = 32;
+    /// Pages that wait for each other while an edit of our own is brought in (PageHolds), 279 KB each: too
+    /// few and a large edit is seen blurred for a moment.
+    std::size_t kept = 128;
     RequestLimits requests{};
 };
 
@@ -60,6 +63,9 @@ struct ResidencyFrame {
     double mip_deficit = 0;             ///< Levels missing, averaged over the pixels that see the plane.
     std::vector<NeededPage> sampled{};  ///< All `needed`, those included that are missing.
     std::vector<std::uint32_t> ended_holds{};  ///< From this frame on the pages show these changes.
+    /// Of these the pages show still what they lift, because it is too much (StandIns): a hand that drew it
+    /// too would have it seen twice.
+    std::vector<std::uint32_t> unlifted_holds{};
     bool is_sharp() const { return missing == 0; }
     bool is_current() const { return missing == 0 && stale == 0; }
 };
@@ -106,6 +112,7 @@ class Residency {
     std::vector<std::uint32_t> end_holds(const std::vector<NeededPage>& needed, const FrameTime& time,
                                          std::vector<SlotUpload>& uploads);
     bool is_settled(PageKey page, std::uint64_t revision) const;
+    void drop_older(PageKey page, std::uint64_t revision);
     bool is_kept(PageKey page, Step step) const;
     std::optional<SlotUpload> place(ArrivedPage arrived, const FrameTime& time);
     std::vector<WantedPage> wanted(const PlaneView& view, const std::vector<NeededPage>& needed,

@@ -56,6 +56,17 @@ std::optional<SlotCache::Placement> SlotCache::insert(PageKey page, bool pinned)
     return placement;
 }
 
+void SlotCache::remove(PageKey page) {
+    const auto found = slot_of_.find(page);
+    if (found == slot_of_.end() || slots_[found->second].pinned) return;
+    const auto at = std::ranges::find(order_, found->second);
+    if (at - order_.begin() < static_cast<std::ptrdiff_t>(hand_)) --hand_;
+    order_.erase(at);
+    hand_ = order_.empty() ? 0 : hand_ % order_.size();
+    free_.push_back(found->second);
+    slot_of_.erase(found);
+}
+
 SlotCache::Resized SlotCache::resize(std::size_t slots) {
     slots = std::max({slots, pinned_, std::size_t{1}});
     // Pinned pages stay, then the latest used

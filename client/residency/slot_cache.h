@@ -35,6 +35,9 @@ class SlotCache {
     /// Finds a slot for a page that has none. Nothing if every slot is pinned or used in the present frame.
     std::optional<Placement> insert(PageKey page, bool pinned);
 
+    /// The page is in no slot any more; one that is not pinned.
+    void remove(PageKey page);
+
     struct Move {
         PageKey page;
         Slot from = 0;

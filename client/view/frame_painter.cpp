@@ -12,10 +12,14 @@ PlaneStyle style_of(const ViewFrame& frame) {
     return {.filter = frame.filter, .fade_ms = frame.fade_ms, .haze = frame.haze, .overlay = frame.overlay};
 }
 
-/// What the pages do not show from this frame on.
-std::vector<HeldSprite> still_held(std::vector<HeldSprite> held, const std::vector<std::uint32_t>& ended) {
+/// What the pages do not show in this frame.
+std::vector<HeldSprite> still_held(std::vector<HeldSprite> held, const ResidencyFrame& frame) {
+    const auto is_one_of = [](const std::vector<std::uint32_t>& holds, std::uint32_t hold) {
+        return std::ranges::find(holds, hold) != holds.end();
+    };
     std::erase_if(held, [&](const HeldSprite& sprite) {
-        return sprite.hold != 0 && std::ranges::find(ended, sprite.hold) != ended.end();
+        return sprite.hold != 0 &&
+               (is_one_of(frame.ended_holds, sprite.hold) || is_one_of(frame.unlifted_holds, sprite.hold));
     });
     return held;
 }
@@ -40,7 +44,7 @@ ResidencyFrame FramePainter::update(const ViewFrame& frame) {
     beside_.reset();
     if (!frame.split || !frame.split->is_second || !second_) {
         ResidencyFrame whole = scene_.update(view, frame.time, frame.filter);
-        scene_.show_held(still_held(frame.held, whole.ended_holds));
+        scene_.show_held(still_held(frame.held, whole));
         return whole;
     }
     const int column = frame.split_column();
@@ -48,8 +52,8 @@ ResidencyFrame FramePainter::update(const ViewFrame& frame) {
     second_->set_uploads_per_frame(frame.most_uploads);
     second_->hold(frame.holds);
     ResidencyFrame right = second_->update(view.part(column, frame.width), frame.time, frame.split->filter);
-    scene_.show_held(still_held(frame.held, left.ended_holds));
-    second_->show_held(still_held(frame.held, right.ended_holds));
+    scene_.show_held(still_held(frame.held, left));
+    second_->show_held(still_held(frame.held, right));
     beside_ = {std::move(right.sampled), right.uploads.size()};
     add_part(left, std::move(right), 1 - static_cast<double>(column) / frame.width);
     return left;

@@ -14,7 +14,13 @@ class Model {
   public:
     explicit Model(Extent extent) : extent_{extent} {}
     void show(PageKey page, ShownPage where) { resident_[page] = where; }
-    void hide(PageKey page) { resident_.erase(page); }
+    void hide(PageKey page) {
+        resident_.erase(page);
+        instead_.erase(page);
+    }
+    void show_instead(PageKey page, ShownPage where) { instead_[page] = where; }
+    void show_itself(PageKey page) { instead_.erase(page); }
+    const std::map<PageKey, ShownPage>& instead() const { return instead_; }
     std::map<PageKey, ShownPage>& resident() { return resident_; }
 
     TableEntry entry(std::uint8_t level, std::int64_t x, std::int64_t y) const {
@@ -25,8 +31,10 @@ class Model {
              page.level <= extent_.n; page = parent(page)) {
             const auto found = resident_.find(page);
             if (found == resident_.end()) continue;
-            entry.shown = std::uint32_t{found->second.slot} | std::uint32_t{page.level} << 16;
-            entry.arrival_ms = found->second.arrival_ms;
+            const auto instead = instead_.find(page);
+            const ShownPage& where = instead == instead_.end() ? found->second : instead->second;
+            entry.shown = std::uint32_t{where.slot} | std::uint32_t{where.level} << 16;
+            entry.arrival_ms = where.arrival_ms;
             break;
         }
         return entry;
@@ -35,6 +43,7 @@ class Model {
   private:
     Extent extent_;
     std::map<PageKey, ShownPage> resident_;
+    std::map<PageKey, ShownPage> instead_;
 };
 
 /// A table and its model on the same random walk: steps, jumps, teleports to the far corners, pages that come
@@ -63,6 +72,21 @@ class RandomWalk {
                                   static_cast<std::uint32_t>(++clock_)};
             table_.show(page, where);
             model_.show(page, where);
+        } else if (dice < 87) {
+            // Something else is shown instead of a resident page, which may be coarser; or no longer
+            auto some = model_.resident().lower_bound(page_near_centre());
+            if (some == model_.resident().end()) some = model_.resident().begin();
+            const PageKey page = some->first;
+            if (model_.instead().contains(page)) {
+                table_.show_itself(page);
+                model_.show_itself(page);
+            } else {
+                const auto level = static_cast<std::uint8_t>(page.level + below(extent_.n + 1u - page.level));
+                const ShownPage where{static_cast<Slot>(512 + below(64)), level,
+                                      static_cast<std::uint32_t>(++clock_)};
+                table_.show_instead(page, where);
+                model_.show_instead(page, where);
+            }
         } else {
             auto victim = model_.resident().lower_bound(page_near_centre());
             if (victim == model_.resident().end()) victim = model_.resident().begin();
@@ -105,6 +129,7 @@ class RandomWalk {
         PageTable fresh{extent_, side_};
         fresh.move_to(x_, y_);
         for (const auto& [page, where] : model_.resident()) fresh.show(page, where);
+        for (const auto& [page, where] : model_.instead()) fresh.show_instead(page, where);
         for (int l = 0; l <= extent_.n; ++l) {
             const auto level = static_cast<std::uint8_t>(l);
             if (!std::ranges::equal(fresh.entries(level), table_.entries(level))) return false;

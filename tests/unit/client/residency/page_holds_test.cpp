@@ -24,11 +24,17 @@ ArrivedPage arrived(PageKey page, std::uint64_t scene_revision) {
             .version = {.revision = scene_revision, .scene_revision = scene_revision}};
 }
 
+std::vector<std::uint32_t> ids(const std::vector<PageHold>& holds) {
+    std::vector<std::uint32_t> ids;
+    for (const PageHold& hold : holds) ids.push_back(hold.id);
+    return ids;
+}
+
 const std::vector<NeededPage> needed{{left_page, 10}, {right_page, 10}};
 const auto nothing_settled = [](PageKey, std::uint64_t) { return false; };
 
 TEST(PageHolds, NewerPagesWaitUntilAllThatTheEditTouchesHaveCome) {
-    PageHolds holds;
+    PageHolds holds{128};
     holds.set({hold_of(1, 5)});
     EXPECT_FALSE(holds.keeps({0, 40, 40}, {.revision = 5, .scene_revision = 5})) << "elsewhere";
     EXPECT_FALSE(holds.keeps(left_page, {.revision = 3, .scene_revision = 4})) << "without the edit";
@@ -37,13 +43,13 @@ TEST(PageHolds, NewerPagesWaitUntilAllThatTheEditTouchesHaveCome) {
     EXPECT_TRUE(holds.end_complete(needed, nothing_settled).empty());
     EXPECT_TRUE(holds.take_free().empty());
     holds.keep(arrived(right_page, 5));
-    EXPECT_EQ(holds.end_complete(needed, nothing_settled), std::vector<std::uint32_t>{1});
+    EXPECT_EQ(ids(holds.end_complete(needed, nothing_settled)), std::vector<std::uint32_t>{1});
     EXPECT_EQ(holds.take_free().size(), 2u) << "in one frame";
     EXPECT_TRUE(holds.empty());
 }
 
 TEST(PageHolds, APageThatTheEditDidNotChangeIsNotWaitedFor) {
-    PageHolds holds;
+    PageHolds holds{128};
     holds.set({hold_of(1, 5)});
     holds.keep(arrived(left_page, 5));
     const auto settled = [](PageKey page, std::uint64_t) { return page == right_page; };
@@ -51,7 +57,7 @@ TEST(PageHolds, APageThatTheEditDidNotChangeIsNotWaitedFor) {
 }
 
 TEST(PageHolds, WhileTheRevisionIsNotKnownNothingComesAndNothingEnds) {
-    PageHolds holds;
+    PageHolds holds{128};
     holds.set({hold_of(1, 0)});
     EXPECT_TRUE(holds.keeps(left_page, {.revision = 1, .scene_revision = 1}));
     holds.keep(arrived(left_page, 9));
@@ -60,25 +66,25 @@ TEST(PageHolds, WhileTheRevisionIsNotKnownNothingComesAndNothingEnds) {
 }
 
 TEST(PageHolds, BeforeAnEditIsSentPagesComeAsEver) {
-    PageHolds holds;
+    PageHolds holds{128};
     holds.set({hold_of(1, 0, false)});
     EXPECT_FALSE(holds.keeps(left_page, {.revision = 1, .scene_revision = 1}));
 }
 
 TEST(PageHolds, APageThatShowsALaterEditTooWaitsForThatOne) {
-    PageHolds holds;
+    PageHolds holds{128};
     holds.set({hold_of(1, 5), hold_of(2, 6)});
     holds.keep(arrived(left_page, 6));
     holds.keep(arrived(right_page, 5));
     EXPECT_TRUE(holds.end_complete(needed, nothing_settled).empty())
         << "the left one would show edit 6 early";
     holds.keep(arrived(right_page, 6));
-    EXPECT_EQ(holds.end_complete(needed, nothing_settled), (std::vector<std::uint32_t>{1, 2}));
+    EXPECT_EQ(ids(holds.end_complete(needed, nothing_settled)), (std::vector<std::uint32_t>{1, 2}));
     EXPECT_EQ(holds.take_free().size(), 2u);
 }
 
 TEST(PageHolds, OfOnePageTheNewestWaitsAndOneThatIsNoLongerHeldIsFree) {
-    PageHolds holds;
+    PageHolds holds{128};
     holds.set({hold_of(1, 5)});
     holds.keep(arrived(left_page, 7));
     holds.keep(arrived(left_page, 5));
@@ -124,7 +130,8 @@ TEST(StandIns, AreShownOutOfSlotsOfTheirOwnForAsLongAsAHoldLifts) {
     const auto slot = [&] { return residency.table().shown_for({0, 19, 19})->slot; };
     const Slot itself = slot();
     source.delivers = false;
-    const PageHold hold{.id = 1, .lifted = {7, 9}, .lifted_boxes = {{5000, 5000, 5010, 5010}}};
+    const PageHold hold{
+        .id = 1, .lifted = {7, 9}, .lifted_boxes = {{5000, 5000, 5010, 5010}, {5005, 5005, 5015, 5015}}};
     residency.hold({hold});
     settle();
     EXPECT_EQ(slot(), itself) << "nothing has come yet";

@@ -106,5 +106,24 @@ TEST(SlotCache, HoldsEachPageInOneSlotAndOnePageInEachSlot) {
     EXPECT_EQ(cache.pinned(), 5u);
 }
 
+TEST(SlotCache, ARemovedPageLeavesItsSlotFreeAndAPinnedOneStays) {
+    SlotCache cache{4};
+    const auto slot_of = [&](std::uint32_t x, bool pinned) { return cache.insert(page(x), pinned)->slot; };
+    slot_of(0, true);
+    for (std::uint32_t x = 1; x < 4; ++x) slot_of(x, false);
+    cache.remove(page(0));
+    EXPECT_TRUE(cache.find(page(0)));
+    const Slot middle = *cache.find(page(2));
+    cache.remove(page(2));
+    cache.remove(page(9));
+    EXPECT_FALSE(cache.find(page(2)));
+    EXPECT_EQ(cache.size(), 3u);
+    const auto placed = cache.insert(page(5), false);
+    ASSERT_TRUE(placed);
+    EXPECT_EQ(placed->slot, middle);
+    EXPECT_FALSE(placed->evicted) << "there was room";
+    EXPECT_TRUE(cache.insert(page(6), false)->evicted);
+}
+
 }  // namespace
 }  // namespace tessera
