@@ -52,8 +52,8 @@ StandIns::Plan StandIns::plan(std::span<const NeededPage> needed, std::span<cons
         touched.clear();
         for (const auto& [page, pixels] : seen)
             if (!all_lifted(page, plan.holds).empty()) touched.push_back({page, pixels});
-        targets = coarse_cover(touched, most_ - 2 * most_covers, table.extent(), fits);
-        if (targets.size() <= most_ - 2 * most_covers &&
+        targets = coarse_cover(touched, most_targets(), table.extent(), fits);
+        if (targets.size() <= most_targets() &&
             std::ranges::all_of(targets, [&](const NeededPage& page) { return fits(page.key); }))
             break;
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <span>
@@ -31,7 +32,8 @@ class StandIns {
     /// Of the slots: a few coarse ones that cover everything, so that there is something to show wherever
     /// the view goes; and as many for those of a view that has passed, until these have come.
     static constexpr std::size_t most_covers = 4;
-    /// `source` outlives this. `most`: slots, behind those of the cache; more than 2 × most_covers.
+    /// `source` outlives this. `most`: slots, behind those of the cache. With no more than
+    /// 2 × most_covers of them, sprites may be seen twice.
     StandIns(PageSource& source, std::size_t most) : source_{source}, most_{most} {}
 
     std::size_t most() const { return most_; }
@@ -82,6 +84,8 @@ class StandIns {
         std::vector<PageKey> wanted;  ///< Stand-ins, the most urgent first
     };
 
+    /// Slots for those that make the covers sharper.
+    std::size_t most_targets() const { return std::max(most_, 2 * most_covers + 1) - 2 * most_covers; }
     Plan plan(std::span<const NeededPage> needed, std::span<const PageHold> holds, const SlotCache& cache,
               const PageVersions& versions, const PageTable& table) const;
     void claim(const Plan& plan);

@@ -201,6 +201,17 @@ TEST_P(Holds, WhatIsShownWithoutItStaysSoWhileTheEyeMoves) {
     EXPECT_TRUE(table.seen_twice(hold).empty());
 }
 
+TEST_P(Holds, StandInsStayInTheirSlotsHoweverFewTheseAre) {
+    for (const std::size_t slots : {0u, 1u, 4u, 9u}) {
+        Table table{GetParam(), {.stand_ins = slots}};
+        table.settle();
+        table.residency.hold({lifted_from_all(table, 50, GetParam())});
+        table.settle();  // which checks every slot
+        if (HasFatalFailure()) return;
+        EXPECT_TRUE(table.outcome.is_sharp());
+    }
+}
+
 TEST_P(Holds, AHoldThatLiftsMoreThanAServerLeavesOutLiftsNothingAndSaysSo) {
     Table table{GetParam()};
     table.settle();
