@@ -72,7 +72,7 @@ void LookGroup::find_states(Draws& draws) const {
     counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
     for (const std::uint32_t count : counts)
         for (std::uint32_t k = 0; k < count; ++k) draws.starts.emplace_back(k, count);
-    std::sort(draws.starts.begin(), draws.starts.end(), before);
+    if (counts.size() > 1) std::sort(draws.starts.begin(), draws.starts.end(), before);
     draws.starts.erase(std::unique(draws.starts.begin(), draws.starts.end(),
                                    [](auto a, auto b) { return !before(a, b) && !before(b, a); }),
                        draws.starts.end());

@@ -43,9 +43,10 @@ Result<StoredMap> map_of_values(Compilation& c, std::size_t block, std::string_v
     StoredMap map;
     map.width = static_cast<std::int32_t>(std::min<std::uint32_t>(width, 0x7fffffff));
     map.height = static_cast<std::int32_t>(count / width);
-    map.values.own().assign(values.begin(), values.end());
+    map.values = std::vector<std::int32_t>(values.begin(), values.end());
     if (auto size = check_map_size(c, block, std::string{field} + ".values", map); !size) return size.error();
-    for (std::size_t i = 0; i < map.values.size(); ++i)
+    const bool all_known = map.values.distinct().front() >= -1;
+    for (std::size_t i = 0; i < map.values.size() && !all_known; ++i)
         if (map.values[i] < -1)
             return wrong(".values[" + std::to_string(i) + "]",
                          "is " + std::to_string(map.values[i]) + "; from 0 on, or -1 for blank");
@@ -95,8 +96,8 @@ Result<std::shared_ptr<const StoredMap>> read_explicit_map(Compilation& c, std::
             return wrong(".blank_code",
                          "is " + std::to_string(message.blank_code()) + "; a code up to 65535");
         if (message.has_blank_code())
-            for (std::int32_t& value : map.values.own())
-                if (value == static_cast<std::int32_t>(message.blank_code())) value = -1;
+            for (std::size_t i = 0; i < map.values.size(); ++i)
+                if (map.values[i] == static_cast<std::int32_t>(message.blank_code())) map.values.set(i, -1);
     } else {
         if (message.has_blank_code()) return wrong(".blank_code", "is for images; in values, -1 is blank");
         auto read = map_of_values(c, block, field, message.values(), message.width());

@@ -15,11 +15,11 @@ inline void read_entries(const StoredMap& map, std::int64_t i, std::int64_t j, s
         return;
     }
     const std::int64_t row = (j % map.height + map.height) % map.height;
-    const std::int32_t* values = map.values.data() + row * map.width;
     std::int64_t column = (i % map.width + map.width) % map.width;
     for (std::int32_t done = 0; done < count;) {
         const auto run = static_cast<std::int32_t>(std::min<std::int64_t>(count - done, map.width - column));
-        std::copy_n(values + column, run, out + done);
+        map.values.copy(static_cast<std::size_t>(row * map.width + column), static_cast<std::size_t>(run),
+                        out + done);
         done += run;
         column = 0;
     }

@@ -39,7 +39,9 @@ Result<void> compile_pixel_map(Compilation& c, std::size_t block) {
     if (!textures) return textures.error();
     auto map = read_pixels(c, block, message);
     if (!map) return map.error();
-    for (std::size_t i = 0; i < map->values.size(); ++i) {
+    const std::vector<std::int32_t>& codes = map->values.distinct();
+    const bool all_known = codes.front() >= 0 && codes.back() < message.textures_size();
+    for (std::size_t i = 0; i < map->values.size() && !all_known; ++i) {
         if (map->values[i] >= 0 && map->values[i] < message.textures_size()) continue;
         const auto width = static_cast<std::size_t>(map->width);
         return c.error(block, message.values().empty() ? ".image" : ".values",

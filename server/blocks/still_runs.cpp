@@ -60,9 +60,13 @@ StillRuns::Kind StillRuns::kind_of(std::int32_t value) const noexcept {
     return kinds_[static_cast<std::size_t>(found - values_.begin())];
 }
 
+std::int32_t StillRuns::value_of(const Row& row, std::int64_t entry) const noexcept {
+    return map_->values[row.first + static_cast<std::size_t>(entry)];
+}
+
 StillRuns::Kind StillRuns::kind_beside(const Row& row, bool right) const noexcept {
     if (map_->edge == StoredMap::Edge::blank) return kind_of(-1);
-    return kind_of(row.values[right ? map_->width - 1 : 0]);
+    return kind_of(value_of(row, right ? map_->width - 1 : 0));
 }
 
 std::int64_t StillRuns::entry_of(std::int64_t x) const noexcept { return (x - map_->x) >> map_->cells_log2; }
@@ -76,28 +80,29 @@ StillRuns::Row StillRuns::row_of(std::int64_t y) const noexcept {
     const bool blank = map_->edge == StoredMap::Edge::blank && (j < 0 || j >= map_->height);
     j = map_->edge == StoredMap::Edge::wrap ? wrapped(j, map_->height)
                                             : std::clamp<std::int64_t>(j, 0, map_->height - 1);
-    return {map_->values.data() + j * map_->width, static_cast<std::size_t>(j * parts_in_row_), blank};
+    return {static_cast<std::size_t>(j * map_->width), static_cast<std::size_t>(j * parts_in_row_), blank};
 }
 
 std::uint64_t StillRuns::begins_of(const Row& row, std::int64_t from, std::int64_t end) const {
-    const std::int32_t* values = row.values + from;
     const auto count = static_cast<std::size_t>(end - from);
+    std::array<std::int32_t, word_bits> values;
+    map_->values.copy(row.first + static_cast<std::size_t>(from), count, values.data());
     // Kinds change where values do, and nearly always few do: compared a group at a time
     constexpr std::size_t group = 16;
     std::uint64_t changes = 1;
     for (std::size_t i = 1; i < count; i += group) {
         const std::size_t more = std::min(group, count - i);
-        if (std::memcmp(values + i, values + i - 1, more * sizeof *values) == 0) continue;
+        if (std::memcmp(&values[i], &values[i - 1], more * sizeof values[0]) == 0) continue;
         for (std::size_t j = i; j < i + more; ++j) changes |= std::uint64_t{values[j] != values[j - 1]} << j;
     }
     const std::uint64_t all = ~std::uint64_t{0} >> (word_bits - count);
-    Kind last = from > 0 ? kind_of(values[-1]) : other;
+    Kind last = from > 0 ? kind_of(value_of(row, from - 1)) : other;
     std::uint64_t begins = from == 0 ? 1 : 0;
     // From change to change all are of one kind
     for (std::uint64_t left = changes; left != 0;) {
         const int i = std::countr_zero(left);
         left &= left - 1;
-        const Kind kind = kind_of(values[i]);
+        const Kind kind = kind_of(values[static_cast<std::size_t>(i)]);
         if (kind != last) begins |= std::uint64_t{1} << i;
         if (kind == other)
             begins |= all & ~std::uint64_t{0} << i &
@@ -154,7 +159,7 @@ bool StillRuns::all_along(std::int64_t y, Kind kind) const {
     if (row.blank) return kind_of(-1) == kind;
     if (map_->edge == StoredMap::Edge::blank && kind_of(-1) != kind) return false;
     // Of one that lies in the map at last in part
-    return kind_of(row.values[0]) == kind && next_begin(row, 0, map_->width) == map_->width;
+    return kind_of(value_of(row, 0)) == kind && next_begin(row, 0, map_->width) == map_->width;
 }
 
 StillRuns::Found StillRuns::right(const Row& row, std::int64_t x, Kind kind, std::int64_t most) const {
@@ -172,14 +177,14 @@ StillRuns::Found StillRuns::right(const Row& row, std::int64_t x, Kind kind, std
             entry = 0;
         }
         for (; entry < width && entry <= last; entry = next_begin(row, entry, std::min(width, last + 1)))
-            if (const Kind is = kind_of(row.values[entry]); is != kind) return found(entry, is);
+            if (const Kind is = kind_of(value_of(row, entry)); is != kind) return found(entry, is);
         const Kind beside = kind_beside(row, true);
         return entry > last || beside == kind ? none : found(entry, beside);
     }
     // Once round is enough
     const std::int64_t round_last = std::min(last, entry + width - 1);
     for (std::int64_t i = wrapped(entry, map_->width); entry <= round_last;) {
-        if (const Kind is = kind_of(row.values[i]); is != kind) return found(entry, is);
+        if (const Kind is = kind_of(value_of(row, i)); is != kind) return found(entry, is);
         const std::int64_t next = next_begin(row, i, std::min(width, i + (round_last - entry) + 1));
         entry += next - i;
         i = next == width ? 0 : next;
@@ -203,13 +208,13 @@ StillRuns::Found StillRuns::left(const Row& row, std::int64_t x, Kind kind, std:
         }
         const std::int64_t least = std::max<std::int64_t>(last, 0);
         for (; entry >= 0 && entry >= last; entry = last_begin(row, entry, least) - 1)
-            if (const Kind is = kind_of(row.values[entry]); is != kind) return found(entry, is);
+            if (const Kind is = kind_of(value_of(row, entry)); is != kind) return found(entry, is);
         const Kind beside = kind_beside(row, false);
         return entry < last || beside == kind ? none : found(entry, beside);
     }
     const std::int64_t round_last = std::max(last, entry - width + 1);
     for (std::int64_t i = wrapped(entry, map_->width); entry >= round_last;) {
-        if (const Kind is = kind_of(row.values[i]); is != kind) return found(entry, is);
+        if (const Kind is = kind_of(value_of(row, i)); is != kind) return found(entry, is);
         const std::int64_t begin = last_begin(row, i, std::max<std::int64_t>(0, i - (entry - round_last)));
         entry -= i - begin + 1;
         i = begin == 0 ? width - 1 : begin - 1;

@@ -22,7 +22,7 @@ class StillRuns {
 
     /// A row of cells, to be looked along.
     struct Row {
-        const std::int32_t* values;  ///< Of its entries.
+        std::size_t first;  ///< Its first entry, counted in the map.
         std::size_t first_part;
         bool blank;  ///< It shows nothing of the map.
     };
@@ -51,6 +51,7 @@ class StillRuns {
     /// The last begin from entry `least` up to and including i; `least` if there is none.
     std::int64_t last_begin(const Row& row, std::int64_t i, std::int64_t least) const;
     Kind kind_of(std::int32_t value) const noexcept;
+    std::int32_t value_of(const Row& row, std::int64_t entry) const noexcept;
     /// Outside of the row on one of its sides.
     Kind kind_beside(const Row& row, bool right) const noexcept;
     std::int64_t entry_of(std::int64_t x) const noexcept;

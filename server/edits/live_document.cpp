@@ -29,7 +29,11 @@ proto::Scene LiveDocument::whole_message() const {
         if (block == nullptr) continue;
         const auto write = [&map = map](auto& to) {
             to.clear_image();
-            to.mutable_values()->Assign(map.values.begin(), map.values.end());
+            to.clear_values();
+            to.mutable_values()->Reserve(static_cast<int>(map.values.size()));
+            map.values.for_spans([&to](std::span<const std::int32_t> values) {
+                to.mutable_values()->Add(values.begin(), values.end());
+            });
             to.set_width(static_cast<std::uint32_t>(map.width));
         };
         const auto write_explicit = [&](proto::ExplicitMap& to) {
@@ -65,7 +69,7 @@ bool LiveDocument::same_ground(const LiveDocument& other) const {
     if (painted.size() != other.painted.size()) return false;
     for (const auto& [name, map] : painted) {
         const auto found = other.painted.find(name);
-        if (found == other.painted.end() || found->second.values.data() != map.values.data()) return false;
+        if (found == other.painted.end() || !found->second.values.shares_all_with(map.values)) return false;
     }
     if (message == other.message) return true;
     if (!message || !other.message) return false;

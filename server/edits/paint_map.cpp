@@ -143,12 +143,13 @@ Result<void> paint_map(const proto::MapPaint& paint, LiveDocument& document, pro
     const auto entries = static_cast<std::size_t>(paint.width()) * paint.height();
     StoredMap& painted = document.painted.try_emplace(paint.block(), map->map).first->second;
     if (auto written = write_inverse(paint, painted, entries, inverse); !written) return written;
-    std::vector<std::int32_t>& values = painted.values.own();
     for (std::size_t i = 0; i < entries; ++i)
         if (brushed(paint, i))
-            values[static_cast<std::size_t>(
-                (paint.y() + static_cast<std::int64_t>(i / paint.width())) * painted.width + paint.x() +
-                static_cast<std::int64_t>(i % paint.width()))] = painted_value(paint, i);
+            painted.values.set(
+                static_cast<std::size_t>((paint.y() + static_cast<std::int64_t>(i / paint.width())) *
+                                             painted.width +
+                                         paint.x() + static_cast<std::int64_t>(i % paint.width())),
+                painted_value(paint, i));
     const std::vector<TexelBox> boxes =
         texels_of_entries(*map,
                           {paint.x(), paint.y(), static_cast<std::int32_t>(paint.width()),

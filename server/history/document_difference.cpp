@@ -25,6 +25,7 @@ constexpr std::int64_t max_entries =
 void add_paints(const EditableMap& now, const EditableMap& then, std::vector<proto::Change>& changes) {
     const std::int64_t width = now.map.width, height = now.map.height;
     if (then.map.width != width || then.map.height != height) return;
+    if (now.map.values.shares_all_with(then.map.values)) return;
     std::int64_t x0 = width, x1 = 0, y0 = height, y1 = 0;
     for (std::int64_t y = 0; y < height; ++y)
         for (std::int64_t x = 0; x < width; ++x) {

@@ -61,8 +61,7 @@ bool same_maps(const SceneState& a, const SceneState& b) {
     return std::equal(a.maps->begin(), a.maps->end(), b.maps->begin(), b.maps->end(),
                       [](const EditableMap& one, const EditableMap& other) {
                           return one.block == other.block && one.map.width == other.map.width &&
-                                 std::equal(one.map.values.begin(), one.map.values.end(),
-                                            other.map.values.begin(), other.map.values.end());
+                                 one.map.values == other.map.values;
                       });
 }
 

@@ -196,11 +196,10 @@ class MapExpectation final : public AreaExpectation {
     }
     void read_states(std::int64_t first, std::int64_t j, std::vector<std::uint16_t>& states) const noexcept {
         if (map_.edge == StoredMap::Edge::wrap) {
-            const std::int32_t* row =
-                map_.values.data() + (j % map_.height + map_.height) % map_.height * std::int64_t{map_.width};
+            const std::int64_t row = (j % map_.height + map_.height) % map_.height * std::int64_t{map_.width};
             std::int64_t i = (first % map_.width + map_.width) % map_.width;
             for (std::uint16_t& state : states) {
-                state = states_.number(row[i]);
+                state = states_.number(map_.values[static_cast<std::size_t>(row + i)]);
                 if (++i == map_.width) i = 0;
             }
         } else {

@@ -57,12 +57,14 @@ std::string key_of(const JointPart& whole) {
     Key key;
     if (whole.reference != nullptr) key.add(key_of(*whole.reference));
     key.add(std::span<const float>{whole.color});
-    if (whole.map != nullptr)
+    if (whole.map != nullptr) {
         key.add(whole.map->width)
             .add(whole.map->cells_log2)
             .add(whole.map->least)
             .add(whole.map->most)
-            .add(std::span<const std::int32_t>{whole.map->values.data(), whole.map->values.size()});
+            .add(whole.map->values.size());
+        whole.map->values.for_spans([&key](std::span<const std::int32_t> values) { key.add(values); });
+    }
     for (const JointPart& part : whole.parts) key.add(key_of(part));
     return key.text();
 }

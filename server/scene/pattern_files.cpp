@@ -171,7 +171,7 @@ Result<StoredMap> PatternFiles::read_map(const std::string& field, const std::st
     StoredMap map;
     map.width = labels->width;
     map.height = labels->height;
-    map.values.own().assign(labels->labels.begin(), labels->labels.end());
+    map.values = std::vector<std::int32_t>(labels->labels.begin(), labels->labels.end());
     bytes_left_ -= map.values.size() * sizeof(std::int32_t);
     return map;
 }

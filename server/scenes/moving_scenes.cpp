@@ -144,6 +144,7 @@ PaintedScene paint_message_board() {
         step += shown;
     }
     block_named(scene, "lit").add_editable("animation");
+    block_named(scene, "board").add_editable("map");
     proto::ReferenceTexture& texture = *add(scene, "message-board").mutable_reference_texture();
     texture.set_patterns("leds");
     texture.set_grid("cells");

@@ -90,11 +90,11 @@ struct MadeAreas {
 /// A map of random states below `states`.
 inline StoredMap made_map(std::int32_t width, std::int32_t height, std::int32_t states, StoredMap::Edge edge,
                           int cells_log2, std::int64_t x = 0, std::int64_t y = 0) {
-    StoredMap map{width, height, {}, edge, cells_log2, x << cells_log2, y << cells_log2};
+    std::vector<std::int32_t> values;
     for (std::int32_t i = 0; i < width * height; ++i)
-        map.values.own().push_back(
+        values.push_back(
             static_cast<std::int32_t>(hash(5, stream("map"), i, 0) % static_cast<unsigned>(states)));
-    return map;
+    return StoredMap{width, height, values, edge, cells_log2, x << cells_log2, y << cells_log2};
 }
 
 /// A plan of one-texel cells (or of larger ones) that shows `areas`, which lives as long.

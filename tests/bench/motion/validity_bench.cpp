@@ -41,10 +41,10 @@ class MadeFiles final : public BlockFiles {
         return made_patterns(16, 4, 1, true);
     }
     Result<StoredMap> read_map(const std::string&, const std::string&) override {
-        StoredMap map{1024, 1024, {}, StoredMap::Edge::wrap, 0, 0, 0};
+        std::vector<std::int32_t> values;
         for (std::int64_t i = 0; i < 1024 * 1024; ++i)
-            map.values.own().push_back(hash(3, stream("map"), i, 0) % 4 == 0 ? 20 : 5000);
-        return map;
+            values.push_back(hash(3, stream("map"), i, 0) % 4 == 0 ? 20 : 5000);
+        return StoredMap{1024, 1024, values, StoredMap::Edge::wrap, 0, 0, 0};
     }
     Result<std::shared_ptr<const Texture>> read_exchange(const std::string&, const proto::Block&) override {
         return std::shared_ptr<const Texture>{};

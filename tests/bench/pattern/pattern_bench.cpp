@@ -32,10 +32,10 @@ class MadeFiles final : public BlockFiles {
                              static_cast<std::int32_t>(set.count()), 1, true);
     }
     Result<StoredMap> read_map(const std::string&, const std::string&) override {
-        StoredMap map{37, 41, {}, StoredMap::Edge::wrap, 0, 0, 0};
+        std::vector<std::int32_t> values;
         for (std::int64_t i = 0; i < 37 * 41; ++i)
-            map.values.own().push_back(static_cast<std::int32_t>(hash(3, stream("map"), i, 0) % 2));
-        return map;
+            values.push_back(static_cast<std::int32_t>(hash(3, stream("map"), i, 0) % 2));
+        return StoredMap{37, 41, values, StoredMap::Edge::wrap, 0, 0, 0};
     }
     Result<std::shared_ptr<const Texture>> read_exchange(const std::string&, const proto::Block&) override {
         return std::shared_ptr<const Texture>{};

@@ -16,10 +16,10 @@ class MadeFiles final : public BlockFiles {
         return made_patterns(4, static_cast<std::int32_t>(set.count()));
     }
     Result<StoredMap> read_map(const std::string&, const std::string&) override {
-        StoredMap map{7, 5, {}, StoredMap::Edge::wrap, 0, 0, 0};
+        std::vector<std::int32_t> values;
         for (std::int64_t i = 0; i < 7 * 5; ++i)
-            map.values.own().push_back(static_cast<std::int32_t>(hash(3, stream("map"), i, 0) % 2));
-        return map;
+            values.push_back(static_cast<std::int32_t>(hash(3, stream("map"), i, 0) % 2));
+        return StoredMap{7, 5, values, StoredMap::Edge::wrap, 0, 0, 0};
     }
     Result<std::shared_ptr<const Texture>> read_exchange(const std::string&, const proto::Block&) override {
         return std::shared_ptr<const Texture>{};

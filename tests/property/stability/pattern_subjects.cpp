@@ -45,11 +45,10 @@ class MadeFiles final : public BlockFiles {
     }
     Result<StoredMap> read_map(const std::string&, const std::string& image) override {
         const std::uint64_t states = image == "binary" ? 2 : 4;
-        StoredMap map{13, 11, {}, StoredMap::Edge::wrap, 0, 0, 0};
+        std::vector<std::int32_t> values;
         for (std::int64_t i = 0; i < 13 * 11; ++i)
-            map.values.own().push_back(
-                static_cast<std::int32_t>(hash(78, stream("made map"), i, 0) % states));
-        return map;
+            values.push_back(static_cast<std::int32_t>(hash(78, stream("made map"), i, 0) % states));
+        return StoredMap{13, 11, values, StoredMap::Edge::wrap, 0, 0, 0};
     }
     Result<std::shared_ptr<const Texture>> read_exchange(const std::string&, const proto::Block&) override {
         return std::shared_ptr<const Texture>{

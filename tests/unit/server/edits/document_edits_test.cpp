@@ -52,7 +52,9 @@ class DocumentEdits : public testing::Test {
     }
     std::vector<std::int32_t> entries(const char* block) {
         const auto& values = document_.painted.at(block).values;
-        return {values.begin(), values.end()};
+        std::vector<std::int32_t> all(values.size());
+        values.copy(0, all.size(), all.data());
+        return all;
     }
 
     EditedPattern files_;

@@ -49,9 +49,10 @@ TEST(Composites, GoldenBits) {
     EXPECT_EQ(digest_of(turned(true, false)), 10904680010893317479u);
     EXPECT_EQ(digest_of(turned(true, true)), 13725555158032121153u);
     EXPECT_EQ(digest_of(filled(4, true), turned(false, false), LayersPlan{{0, 1}}), 13443981757783944062u);
+    std::vector<std::int32_t> values;
+    for (int i = 0; i < 45; ++i) values.push_back(i * i % 7 % 3);
     auto map = std::make_shared<StoredMap>();
-    *map = {.width = 9, .height = 5, .values = {}, .edge = StoredMap::Edge::wrap, .cells_log2 = 2};
-    for (int i = 0; i < 45; ++i) map->values.own().push_back(i * i % 7 % 3);
+    *map = {.width = 9, .height = 5, .values = values, .edge = StoredMap::Edge::wrap, .cells_log2 = 2};
     EXPECT_EQ(digest_of(filled(4, true), filled(5, false),
                         GivenPlan{make_constant_texture({80, 90, 255, 255})}, PixelMapPlan{map, {0, 1, 2}}),
               9514456529239632417u);

@@ -17,12 +17,12 @@ using namespace testing;
 /// Blobs of families on a map of any size.
 StoredMap made_map(std::int32_t width, std::int32_t height, int families, StoredMap::Edge edge,
                    int texels_log2, int blob = 11) {
-    StoredMap map{.width = width, .height = height, .values = {}, .edge = edge, .cells_log2 = texels_log2};
+    std::vector<std::int32_t> values;
     for (std::int32_t y = 0; y < height; ++y)
         for (std::int32_t x = 0; x < width; ++x)
-            map.values.own().push_back(static_cast<std::int32_t>(uniform_below(
+            values.push_back(static_cast<std::int32_t>(uniform_below(
                 hash(4, stream("map"), (x + y % 3) / blob, y / blob), std::uint32_t(families))));
-    return map;
+    return {.width = width, .height = height, .values = values, .edge = edge, .cells_log2 = texels_log2};
 }
 
 TEST(SparseMap, CountsEverySquareExactly) {
@@ -108,7 +108,7 @@ Plan mapped(const StoredMap& map, bool in_one_tree = false) {
 TEST(PixelMap, InsideOneFamilyCostsAndGivesThatFamily) {
     StoredMap map = made_map(64, 64, 1, StoredMap::Edge::clamp, 2);
     for (std::int32_t y = 0; y < 64; ++y)
-        for (std::int32_t x = 32; x < 64; ++x) map.values.own()[std::size_t(y * 64 + x)] = 2;
+        for (std::int32_t x = 32; x < 64; ++x) map.values.set(std::size_t(y * 64 + x), 2);
     const Plan plan = mapped(map);
     const auto texture = make_pattern_texture(plan);
     Plan alone;

@@ -150,7 +150,8 @@ TEST_F(PatternScenes, MapsAreCodesAndNoColours) {
     const auto map = files.read_map("map", "codes.png");
     ASSERT_TRUE(map) << map.error().detail;
     EXPECT_EQ(map->width, 3);
-    const std::vector<std::int32_t> values(map->values.begin(), map->values.end());
+    std::vector<std::int32_t> values(map->values.size());
+    map->values.copy(0, values.size(), values.data());
     EXPECT_THAT(values, testing::ElementsAre(0, 1, 255, 256, 40000, 65535));
     const auto colours = files.read_map("map", "patterns.png");
     EXPECT_THAT(colours.error().detail,
