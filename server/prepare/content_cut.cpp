@@ -175,24 +175,24 @@ BitMask cut_content(const PatchGround& ground, const PerceptualImage& photo, Off
         return seen / 16 + (seen > usual ? seen - usual : 0) +
                (seen > 2 * usual ? hard_edge_weight * (seen - 2 * usual) : 0);
     };
-    const auto mean_price = [&](const PerceptualColor& a, const std::vector<PerceptualColor>& others) {
-        std::uint64_t sum = 0;
-        for (const PerceptualColor& b : others) sum += price(a, b);
-        return static_cast<std::int32_t>(sum / others.size());
-    };
-    // Along the patch's own border: inside it meets the content, else the tile
-    const auto add_rim = [&](std::int32_t x, std::int32_t y, const std::vector<PerceptualColor>& others) {
-        cut.add_inside(cut.index(x, y),
-                       mean_price(moved.at(x, y), others) - mean_price(ground.tile_at(x, y), others));
+    // Along the patch's own border: inside it meets the content, else the tile, which meets itself as usual
+    const auto add_rim = [&](std::int32_t x, std::int32_t y, const PerceptualColor& tile_beside,
+                             const std::vector<PerceptualColor>& others) {
+        std::int64_t content = 0, tile = 0;
+        for (const PerceptualColor& other : others) {
+            content += price(moved.at(x, y), other);
+            if (other != tile_beside) tile += price(ground.tile_at(x, y), other);
+        }
+        const std::int64_t count = std::ssize(others);
+        cut.add_inside(cut.index(x, y), static_cast<std::int32_t>(content / count - tile / count));
     };
     const auto add = [&](std::int32_t x, std::int32_t y, std::int32_t to_x, std::int32_t to_y,
                          std::vector<std::uint32_t>& borders) {
         const bool here = ground.holds(x, y), there = ground.holds(to_x, to_y);
         if ((!here && !there) || (in_core(x, y) && in_core(to_x, to_y))) return;
         if (here != there && !beside.empty()) {
-            const auto& others =
-                beside.at(here ? ground.index_around(to_x, to_y) : ground.index_around(x, y));
-            return here ? add_rim(x, y, others) : add_rim(to_x, to_y, others);
+            const std::size_t outside = here ? ground.index_around(to_x, to_y) : ground.index_around(x, y);
+            return add_rim(here ? x : to_x, here ? y : to_y, ground.tile[outside], beside.at(outside));
         }
         const auto weight = static_cast<std::uint32_t>(here && there ? inner_weight : rim_weight);
         const std::size_t first = cut.index(x, y), second = cut.index(to_x, to_y);

@@ -11,7 +11,7 @@ namespace {
 
 /// So many are cut for each that is chosen: of more, such are found that cancel what repeats, so that cuts
 /// can be less bound by it.
-constexpr int candidates_for_each = 4;
+constexpr int candidates_for_each = 8;
 /// How often the chosen ones are cut again.
 constexpr int recuts = 6;
 /// The part of the repetition that is tolerated, 1 / contents + 3 %, that is aimed at: blending adds to what
