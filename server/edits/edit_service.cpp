@@ -1,7 +1,9 @@
 #include "server/edits/edit_service.h"
 
 #include <chrono>
+#include <filesystem>
 #include <utility>
+#include <vector>
 
 #include <spdlog/spdlog.h>
 
@@ -36,7 +38,19 @@ Result<std::shared_ptr<LiveScene>> EditService::open(const ScenePtr& scene, Prog
     return std::shared_ptr<LiveScene>{std::move(*live)};
 }
 
+/// Whether edits of the scene may have been acknowledged here. A file of no bytes is what a kill in the first
+/// moment leaves; where nobody may look there may be one.
+bool EditService::may_have_journal(const std::string& scene) const {
+    if (options_.folder.empty()) return false;
+    std::error_code failure;
+    const auto bytes = std::filesystem::file_size(options_.folder / scene / "journal.db", failure);
+    if (failure)
+        return failure != std::errc::no_such_file_or_directory && failure != std::errc::not_a_directory;
+    return bytes > 0;
+}
+
 void EditService::adopt(Catalog& catalog, Progress& progress) {
+    std::vector<Catalog::Problem> hidden;
     for (const auto& [id, scene] : catalog.scenes) {
         std::shared_ptr<LiveScene> live;
         {
@@ -53,19 +67,34 @@ void EditService::adopt(Catalog& catalog, Progress& progress) {
             const std::lock_guard lock{mutex_};
             resting_.erase(id);
         } else {
+            const bool had_journal = may_have_journal(id);
             auto opened = open(scene, progress);
             const std::lock_guard lock{mutex_};
+            if (!opened && had_journal) {
+                spdlog::error("scene {} is not shown, since its edits cannot be read: {}", id,
+                              opened.error().detail);
+                hidden.push_back(
+                    {id,
+                     "not shown, since without its edits it would be another scene; its journal: " +
+                         without_file(opened.error().detail),
+                     true});
+                continue;
+            }
             if (!opened) {
                 spdlog::error("scene {} takes no edits: {}", id, opened.error().detail);
-                troubles_[id] = opened.error().detail;
+                troubled_.insert(id);
                 continue;
             }
             live = std::move(*opened);
             scenes_[id] = live;
-            troubles_.erase(id);
+            troubled_.erase(id);
             spdlog::info("scene {} takes edits, at revision {}", id, live->now()->revision);
         }
         catalog.edited[id] = live;
+    }
+    for (Catalog::Problem& problem : hidden) {
+        catalog.scenes.erase(problem.id);
+        catalog.broken.push_back(std::move(problem));
     }
 }
 
@@ -89,7 +118,7 @@ void EditService::edit(std::string_view scene, proto::Edit edit, LiveScene::Hand
     if (const auto live = find(scene)) return live->edit(std::move(edit), std::move(handler));
     const bool in_trouble = [&] {
         const std::lock_guard lock{mutex_};
-        return troubles_.contains(scene);
+        return troubled_.contains(scene);
     }();
     handler(in_trouble
                 ? EditRefusal{EditRefusal::Why::unavailable,
@@ -116,11 +145,6 @@ std::shared_ptr<LiveScene> EditService::find(std::string_view scene) const {
     const std::lock_guard lock{mutex_};
     const auto found = scenes_.find(scene);
     return found == scenes_.end() || resting_.contains(scene) ? nullptr : found->second;
-}
-
-std::map<std::string, std::string, std::less<>> EditService::troubles() const {
-    const std::lock_guard lock{mutex_};
-    return troubles_;
 }
 
 }  // namespace tessera

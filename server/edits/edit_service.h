@@ -27,8 +27,9 @@ class EditService {
         : options_{std::move(options)}, metrics_{registry} {}
 
     /// Makes `catalog` show its scenes with their edits: opens the journals of those that are new, and puts
-    /// new grounds under those that were there. A scene whose journal cannot be opened is shown as its folder
-    /// says, and refuses edits with the reason.
+    /// new grounds under those that were there. A scene whose journal cannot be opened becomes a problem of
+    /// the catalog: without edits that were acknowledged it would be another. Only where there never was a
+    /// journal it is shown as its folder says, and refuses edits with the reason.
     void adopt(Catalog& catalog, Progress& progress);
 
     /// Closes all scenes: everybody is answered when it returns. Idempotent.
@@ -40,22 +41,20 @@ class EditService {
     /// Null if it takes no edits.
     std::shared_ptr<LiveScene> find(std::string_view scene) const;
 
-    /// Why edits of some scenes are refused, by scene; empty when all is well.
-    std::map<std::string, std::string, std::less<>> troubles() const;
-
     /// Brings what Prometheus learns of the scenes up to date.
     void update_gauges();
 
   private:
     Result<std::shared_ptr<LiveScene>> open(const ScenePtr& scene, Progress& progress) const;
+    bool may_have_journal(const std::string& scene) const;
 
     const EditOptions options_;
     EditMetrics metrics_;
     std::mutex updating_;       ///< Held while gauges are updated.
     mutable std::mutex mutex_;  ///< Guards what follows.
     std::map<std::string, std::shared_ptr<LiveScene>, std::less<>> scenes_;
-    std::set<std::string, std::less<>> resting_;  ///< Of these: their files take no edits now.
-    std::map<std::string, std::string, std::less<>> troubles_;
+    std::set<std::string, std::less<>> resting_;   ///< Of these: their files take no edits now.
+    std::set<std::string, std::less<>> troubled_;  ///< Whose journals could not be made.
 };
 
 }  // namespace tessera

@@ -7,6 +7,7 @@
 #include <spdlog/spdlog.h>
 
 #include "server/journal/journal_wait.h"
+#include "server/journal/judge.h"
 #include "server/pattern/targeted_texture.h"
 #include "server/sprites/sprite_texture.h"
 #include "shared/math/hash.h"
@@ -39,6 +40,15 @@ EditRefusal refusal_of(const Refused& refused, Revision head) {
             break;
     }
     return {why, refused.detail, head};
+}
+
+/// What is not possible now may have been accepted once and be forgotten since: then it is refused for that.
+std::optional<EditRefusal> beyond_horizon(const Journal& journal, const Append& edit) {
+    const JournalStatus status = journal.status();
+    const auto judged = judge(edit, {status.head, status.oldest - 1, nullptr}, edit.bytes.size());
+    const auto* refused = judged ? std::get_if<Refused>(&*judged) : nullptr;
+    if (refused == nullptr) return std::nullopt;
+    return refusal_of(*refused, status.head);
 }
 
 /// The journal's lineage is part of what pages are named by: another journal counts its revisions from 0
@@ -390,7 +400,11 @@ void LiveScene::ask_for_retries(std::vector<Work> refused) {
     for (Work& work : refused) {
         const auto kept = std::make_shared<Work>(std::move(work));
         journal_->find(kept->append.id, [this, kept](Result<std::optional<Revision>> found) {
-            if (!found || !*found) return kept->handler(std::move(*kept->outcome));
+            if (!found || !*found) {
+                if (auto too_old = beyond_horizon(*journal_, kept->append))
+                    kept->outcome = std::move(*too_old);
+                return kept->handler(std::move(*kept->outcome));
+            }
             std::unique_lock lock{mutex_};
             kept->outcome.reset();
             kept->is_in = true;

@@ -32,6 +32,7 @@ struct ServeArguments {
     std::size_t cache_mb = 256;
     std::size_t sample_mb = 512;
     double deadline_seconds = 10;
+    double horizon_days = 30;
     bool keep_no_edits = false;
     ServerOptions options;
 };
@@ -109,6 +110,8 @@ Result<void> serve(ServeArguments& arguments) {
     options.samples.threads = options.pages.threads;
     options.samples.memory_bytes = arguments.sample_mb << 20;
     options.samples.deadline = options.pages.deadline;
+    options.edits.horizon.age =
+        std::chrono::seconds{static_cast<std::int64_t>(arguments.horizon_days * 24 * 3600)};
     if (options.edits.folder.empty()) options.edits.folder = options.scenes / ".edits";
     if (arguments.keep_no_edits) options.edits.folder.clear();
 
@@ -171,6 +174,18 @@ void add_serve_command(CLI::App& app, int& exit_code) {
     command->add_option("--tokens", options.tokens,
                         "Who may edit from elsewhere: a file that tessera token writes (default: nobody)");
     command->add_flag("--keep-no-edits", arguments->keep_no_edits, "Edits last as long as the server runs");
+    command
+        ->add_option(
+            "--horizon-revisions", options.edits.horizon.revisions,
+            "Edits that each journal remembers: beyond it, and behind a snapshot, they are forgotten, "
+            "and late retries and tessera log are told so")
+        ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1'000'000'000'000}))
+        ->capture_default_str();
+    command
+        ->add_option("--horizon-days", arguments->horizon_days,
+                     "Days that they are remembered, fractions too; likewise")
+        ->check(CLI::Range(0.00001, 36500.0))
+        ->capture_default_str();
     command
         ->add_option("--max-connections", options.max_connections,
                      "Open connections; one more is answered with 503")

@@ -28,7 +28,9 @@ Answer document(const RequestHead& request, std::string_view content_type, std::
     return text_answer(200, content_type, std::move(body), fields);
 }
 
-Refusal no_such_scene(const std::string& id) {
+Refusal no_such_scene(const Catalog& catalog, const std::string& id) {
+    const Catalog::Problem* problem = catalog.problem_of(id);
+    if (problem != nullptr && problem->passing) return {503, problem->message, false};
     return {404, "there is no scene \"" + id + "\"; /scenes lists them", false};
 }
 
@@ -64,33 +66,36 @@ Routes::Outcome Routes::route(const RequestHead& request, const Site& site) {
 
     if (is_sprite_address(*segments)) {
         const ScenePtr scene = site.catalog->find((*segments)[1]);
-        return scene ? sprites(request, scene, *segments) : refusal_answer(no_such_scene((*segments)[1]));
+        return scene ? sprites(request, scene, *segments)
+                     : refusal_answer(no_such_scene(*site.catalog, (*segments)[1]));
     }
     if (is_page_address(*segments)) return page(request, site, *segments);
     if (segments->size() == 3 && segments->back() == "sample") {
         const ScenePtr scene = site.catalog->find((*segments)[1]);
-        return scene ? sample(request, scene) : refusal_answer(no_such_scene((*segments)[1]));
+        return scene ? sample(request, scene) : refusal_answer(no_such_scene(*site.catalog, (*segments)[1]));
     }
     if (segments->size() == 3 && segments->back() == "edits") {
         const ScenePtr scene = site.catalog->find((*segments)[1]);
-        return scene ? edit(request, *scene, *site.access) : refusal_answer(no_such_scene((*segments)[1]));
+        return scene ? edit(request, *scene, *site.access)
+                     : refusal_answer(no_such_scene(*site.catalog, (*segments)[1]));
     }
     if (!request.query.empty()) return refusal_answer({400, "this address takes no parameters", false});
     if (segments->size() == 3 && segments->back() == "stream") {
         if (site.draining) return refusal_answer({503, "stopping", true});
         const ScenePtr scene = site.catalog->find((*segments)[1]);
-        return scene ? stream(request, *scene) : refusal_answer(no_such_scene((*segments)[1]));
+        return scene ? stream(request, *scene) : refusal_answer(no_such_scene(*site.catalog, (*segments)[1]));
     }
     if (segments->size() == 3 && segments->back() == "editables") {
         const ScenePtr scene = site.catalog->find((*segments)[1]);
         return scene ? text_answer(200, "application/json", describe_editables(*scene),
                                    "Cache-Control: no-store\r\n")
-                     : refusal_answer(no_such_scene((*segments)[1]));
+                     : refusal_answer(no_such_scene(*site.catalog, (*segments)[1]));
     }
     if (segments->size() == 1) return scene_list(request, *site.catalog);
     if (segments->size() == 2) {
         const ScenePtr scene = site.catalog->find((*segments)[1]);
-        return scene ? tile_json(request, *scene) : refusal_answer(no_such_scene((*segments)[1]));
+        return scene ? tile_json(request, *scene)
+                     : refusal_answer(no_such_scene(*site.catalog, (*segments)[1]));
     }
     return refusal_answer({404, "pages are at /scenes/{id}/{z}/{x}/{y}.png", false});
 }
@@ -102,7 +107,7 @@ Routes::Outcome Routes::page(const RequestHead& request, const Site& site,
     auto query = page_query(request.query);
     if (!query) return refusal_answer(query.error());
     const ScenePtr scene = site.catalog->find(address->scene);
-    if (!scene) return refusal_answer(no_such_scene(address->scene));
+    if (!scene) return refusal_answer(no_such_scene(*site.catalog, address->scene));
     if (scene->texture_of(query->channels) == nullptr)
         return refusal_answer({404,
                                "the scene has no channels \"" + std::string{name_of(query->channels)} +

@@ -387,6 +387,20 @@ Revision EmbeddedJournal::forget_target(std::size_t edits, Revision head) {
     return target;
 }
 
+/// Whether an edit behind the newest snapshot is beyond the horizon of time: without another snapshot it is
+/// never forgotten, however old it gets.
+bool EmbeddedJournal::waits_too_long_for_snapshot() {
+    const Revision first = std::max(due_counted_from_, edits_->forgotten()) + 1;
+    if (first > edits_->head()) return false;
+    if (first != first_behind_snapshot_) {
+        const auto accepted = edits_->accepted_at(first);
+        if (!accepted) return false;
+        first_behind_snapshot_ = first;
+        accepted_behind_snapshot_ = *accepted;
+    }
+    return accepted_behind_snapshot_ <= clock_() - horizon_.age;
+}
+
 void EmbeddedJournal::publish() {
     if (broken_) {
         const std::lock_guard lock{mutex_};
@@ -399,11 +413,13 @@ void EmbeddedJournal::publish() {
     now.bytes = edits_->bytes();
     now.lineage = edits_->lineage();
     if (trouble_) now.trouble = trouble_->detail;
+    const bool is_old = waits_too_long_for_snapshot();
     const std::lock_guard lock{mutex_};
     now.snapshot = snapshot_revisions_.empty() ? 0 : snapshot_revisions_.back();
-    now.snapshot_due = now.head > now.snapshot &&
-                       (now.head - now.snapshot >= std::min(replay_edits, horizon_.revisions / 4 + 1) ||
-                        bytes_since_snapshot_ > horizon_.bytes / 4 || now.bytes > horizon_.bytes / 8 * 7);
+    now.snapshot_due =
+        now.head > now.snapshot &&
+        (now.head - now.snapshot >= std::min(replay_edits, horizon_.revisions / 4 + 1) || is_old ||
+         bytes_since_snapshot_ > horizon_.bytes / 4 || now.bytes > horizon_.bytes / 8 * 7);
     status_ = std::move(now);
 }
 

@@ -67,6 +67,7 @@ class EmbeddedJournal final : public Journal {
     void forget_when_idle();
     void note(JournalStore::Done done);
     Revision forget_target(std::size_t edits, Revision head);
+    bool waits_too_long_for_snapshot();
     void publish();
 
     void note_snapshots(const std::vector<Revision>& revisions);
@@ -95,6 +96,8 @@ class EmbeddedJournal final : public Journal {
     SteadyTime retry_at_{};
     Revision due_counted_from_ = 0;  ///< bytes_since_snapshot_ counts from this snapshot on.
     std::uint64_t bytes_since_snapshot_ = 0;
+    Revision first_behind_snapshot_ = 0;  ///< Whose time is the next one; 0: of none yet.
+    JournalTime accepted_behind_snapshot_{};
 
     SnapshotKeeper keeper_;
     std::jthread committer_;  ///< Last: it uses everything above.

@@ -157,7 +157,7 @@ class Journal {
 /// a snapshot. Older history and older ids are then refused by name.
 struct JournalHorizon {
     Revision revisions = 1'000'000;  ///< Behind the head. Few: late retries are refused. Many: a larger file.
-    std::chrono::hours age{30 * 24};               ///< Since it was accepted.
+    std::chrono::seconds age{30 * 24 * 3600};      ///< Since it was accepted.
     std::uint64_t bytes = std::uint64_t{1} << 30;  ///< Of all edits; beyond it, without a snapshot, full.
 };
 

@@ -163,6 +163,12 @@ ScenePtr Catalog::find(std::string_view id) const {
     return found == scenes.end() ? nullptr : found->second;
 }
 
+const Catalog::Problem* Catalog::problem_of(std::string_view id) const {
+    const auto found =
+        std::find_if(broken.begin(), broken.end(), [&](const Problem& problem) { return problem.id == id; });
+    return found == broken.end() ? nullptr : &*found;
+}
+
 Result<Catalog> load_catalog(const fs::path& folder, std::stop_token stop,
                              const std::function<void(const LoadedScene&)>& tell) {
     std::error_code failure;

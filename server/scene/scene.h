@@ -117,6 +117,7 @@ struct Catalog {
     struct Problem {
         std::string id;
         std::string message;
+        bool passing = false;  ///< Its folder is right: it will be served once those who run it have helped.
     };
     std::map<std::string, ScenePtr, std::less<>> scenes;                         ///< As their folders say.
     std::map<std::string, std::shared_ptr<const SceneNow>, std::less<>> edited;  ///< Those that take edits.
@@ -124,6 +125,8 @@ struct Catalog {
 
     /// The scene as it is now. Null if there is no such scene.
     ScenePtr find(std::string_view id) const;
+    /// Why a scene is not served that was to be; null if there is none of that name.
+    const Problem* problem_of(std::string_view id) const;
 };
 
 /// A scene of a catalog was read, or was found broken.

@@ -184,5 +184,41 @@ TEST_F(SceneHistory, IsExportedAsASceneOfItsOwnWithEqualPages) {
         EXPECT_FALSE(entry.path().filename().string().starts_with(".copy")) << entry.path();
 }
 
+TEST_F(SceneHistory, IsAsLongAsTheServerIsToldAndWhatIsOlderIsRefusedByName) {
+    Program program = serve({"--horizon-revisions", "20"});
+    RawClient client{program.port()};
+    const proto::Edit first = placing(1, 100, 100);
+    ASSERT_EQ(answer_in(*send(client, first)).revision(), 1u);
+    proto::Edit last;
+    std::uint64_t revision = 1;
+    const auto move_on = [&] {
+        last = moving(1, 100, static_cast<double>(100 + revision % 50));
+        last.set_known_revision(revision);
+        ASSERT_EQ(answer_in(*send(client, last)).revision(), ++revision);
+    };
+    // What is forgotten lies behind a snapshot, and those are written beside
+    const auto late = [&] { return *send(client, first); };
+    for (int i = 0; i < 400 && late().status == 200; ++i) move_on();
+    const Reply refused = late();
+    EXPECT_EQ(refused.status, 410) << refused.body;
+    EXPECT_NE(refused.body.find("only known for revisions after"), std::string::npos) << refused.body;
+    EXPECT_TRUE(answer_in(*send(client, last)).again()) << "a retry inside the horizon";
+    EXPECT_EQ(answer_in(*send(client, last)).revision(), revision);
+
+    const Said log = run({"log", scene(), "--limit", "0"});
+    ASSERT_EQ(log.code, 0) << log.err;
+    EXPECT_FALSE(log.out.starts_with("1  ")) << log.out;
+    EXPECT_NE(log.out.find(std::to_string(revision) + "  "), std::string::npos) << log.out;
+    program.signal(SIGTERM);
+    EXPECT_EQ(program.exit_code(), 0);
+    for (const std::vector<std::string>& words :
+         {std::vector<std::string>{"log", scene(), "--undo-to", "1"},
+          {"export", scene(), "--at", "1", "-o", (folder.path / "then").string()}}) {
+        const Said said = run(words);
+        EXPECT_EQ(said.code, 1);
+        EXPECT_NE(said.err.find("horizon"), std::string::npos) << said.err;
+    }
+}
+
 }  // namespace
 }  // namespace tessera

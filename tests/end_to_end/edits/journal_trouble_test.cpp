@@ -45,18 +45,39 @@ class JournalTrouble : public EditedScenes {
         program.signal(SIGTERM);
         EXPECT_EQ(program.exit_code(), 0);
     }
-    /// The scene is served as its files are, and edits are refused; the log says why and where.
-    void expect_refused(Program& program, const std::string& why) const {
+    /// The log says why and where, and nobody else hears where.
+    void expect_told(Program& program, const Reply& refused, const std::string& why) const {
+        EXPECT_EQ(refused.status, 503) << refused.body;
+        EXPECT_EQ(refused["etag"], "");
+        EXPECT_NE(refused.body.find("journal"), std::string::npos) << refused.body;
+        EXPECT_EQ(refused.body.find(folder.path.string()), std::string::npos) << "says where its files are";
+        EXPECT_TRUE(program.says(why)) << program.errors();
+        EXPECT_NE(program.errors().find(edits), std::string::npos) << program.errors();
+    }
+    /// Nobody ever edited it here: the scene is served as its files are, and edits are refused.
+    void expect_no_edits(Program& program, const std::string& why) const {
         RawClient client{program.port()};
         EXPECT_EQ(client.get("/scenes/sprites/6/0/0.png")->status, 200);
         EXPECT_EQ(client.get("/healthz")->status, 200);
-        const auto refused = send(client, placing(9, 1, 1));
-        ASSERT_TRUE(refused);
-        EXPECT_EQ(refused->status, 503) << refused->body;
-        EXPECT_NE(refused->body.find("journal"), std::string::npos) << refused->body;
-        EXPECT_EQ(refused->body.find(folder.path.string()), std::string::npos) << "says where its files are";
-        EXPECT_TRUE(program.says(why)) << program.errors();
-        EXPECT_NE(program.errors().find(edits), std::string::npos) << program.errors();
+        expect_told(program, *send(client, placing(9, 1, 1)), why);
+    }
+    /// Edits that were acknowledged cannot be read: no page is shown without them, and the fix is named.
+    void expect_not_shown(Program& program, const std::string& why) const {
+        const auto reply_to = [&](const std::string& target) {
+            return RawClient{program.port()}.get(target).value();  // What is refused may be the last
+        };
+        for (const char* target :
+             {"/scenes/sprites/6/0/0.png", "/scenes/sprites", "/scenes/sprites/sprites"}) {
+            const Reply refused = reply_to(target);
+            expect_told(program, refused, why);
+            EXPECT_NE(refused.body.find(why), std::string::npos) << refused.body;
+        }
+        RawClient client{program.port()};
+        expect_told(program, send(client, placing(9, 1, 1)).value(), why);
+        EXPECT_EQ(reply_to("/scenes/board/6/0/0.png").status, 200) << "another scene";
+        const std::string list = reply_to("/scenes").body;
+        EXPECT_NE(list.find(why), std::string::npos) << list;
+        EXPECT_EQ(reply_to("/healthz").status, 200);
     }
     /// Writes one byte of the journal's file, and gives what was there.
     char set_byte(std::int64_t at, char to) const {
@@ -75,16 +96,22 @@ class JournalTrouble : public EditedScenes {
 
 TEST_F(JournalTrouble, OfANewerVersionIsNamedAndNothingIsLost) {
     fill();
-    const char version = set_byte(version_at, 77);
+    std::string page;
     {
         Program program = serve();
-        expect_refused(program, "version 77");
+        page = RawClient{program.port()}.get("/scenes/sprites/6/0/0.png")->body;
         program.signal(SIGTERM);
         EXPECT_EQ(program.exit_code(), 0);
     }
-    EXPECT_EQ(set_byte(version_at, version), 77) << "it was not touched";
+    const char version = set_byte(version_at, 77);
     Program program = serve();
+    expect_not_shown(program, "version 77");
+    EXPECT_EQ(set_byte(version_at, version), 77) << "it was not touched";
+    // Helped while the server runs
+    program.signal(SIGHUP);
+    ASSERT_TRUE(program.says("reloaded"));
     RawClient client{program.port()};
+    EXPECT_TRUE(client.get("/scenes/sprites/6/0/0.png")->body == page);
     EXPECT_EQ(answer_in(*send(client, placing(4, 1, 1))).revision(), 4u);
 }
 
@@ -97,13 +124,21 @@ TEST_F(JournalTrouble, OfDamageIsNamed) {
     for (std::int64_t i = 4096; i < size; ++i) file.put('\x5a');
     file.close();
     Program program = serve();
-    expect_refused(program, "damaged");
+    expect_not_shown(program, "damaged");
+}
+
+TEST_F(JournalTrouble, OfTwoServersOnOneFolderIsNamed) {
+    fill();
+    Program first = serve();
+    EXPECT_EQ(RawClient{first.port()}.get("/scenes/sprites/6/0/0.png")->status, 200);
+    Program second = serve();
+    expect_not_shown(second, "another process");
 }
 
 TEST_F(JournalTrouble, OfAFolderThatCannotBeWrittenIsNamed) {
     const auto program = serve_on_disk("ro,size=2m");
     if (!program) GTEST_SKIP() << "NOT TESTED: no disk can be mounted here";
-    expect_refused(*program, "ead-only");
+    expect_no_edits(*program, "ead-only");
 }
 
 TEST_F(JournalTrouble, OfAFullDiskRefusesEditsServesPagesAndEndsWhenThereIsRoom) {

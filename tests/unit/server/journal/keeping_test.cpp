@@ -105,6 +105,32 @@ TEST_P(JournalKeeping, ForgetsByAgeAlsoWhenNothingHappens) {
     EXPECT_EQ(journal->status().head, 48u);
 }
 
+TEST_P(JournalKeeping, AsksForASnapshotOfFewEditsOnceTheyAreOld) {
+    std::atomic<std::int64_t> hours = 0;
+    JournalOptions options = scene_options();
+    options.horizon.age = 24h;
+    options.clock = [&hours] { return JournalTime{std::chrono::hours{hours}}; };
+    const auto journal = open(options);
+    Revision head = 0;
+    for (; hours < 24; ++hours) {
+        EXPECT_FALSE(journal->status().snapshot_due) << hours;
+        append_and_wait(*journal, edit(++head));
+    }
+    append_and_wait(*journal, edit(++head));  // Of hour 24: the first is beyond it
+    ASSERT_TRUE(journal->status().snapshot_due);
+    ASSERT_TRUE(keep_snapshot_and_wait(*journal, {head, ""}));
+    EXPECT_EQ(journal->status().snapshot, head);
+    append_and_wait(*journal, edit(++head));
+    EXPECT_FALSE(journal->status().snapshot_due) << "what is behind it is new";
+    hours = 48;
+    append_and_wait(*journal, edit(++head));
+    ASSERT_TRUE(journal->status().snapshot_due);
+    ASSERT_TRUE(keep_snapshot_and_wait(*journal, {head, ""}));
+    // Two snapshots now: all that the older one covers and is old enough is forgotten
+    for (int i = 0; i < 1000 && journal->status().oldest != 26; ++i) std::this_thread::sleep_for(5ms);
+    EXPECT_EQ(journal->status().oldest, 26u);
+}
+
 TEST_P(JournalKeeping, AClockThatGoesBackDoesNotReorderTimes) {
     std::atomic<std::int64_t> now = 1000;
     JournalOptions options = scene_options();
