@@ -18,6 +18,8 @@ namespace tessera {
 namespace {
 
 constexpr std::size_t most_in_commit = 512;
+/// The last of which is waited for.
+constexpr int most_rebases = 4;
 constexpr std::size_t most_in_group = LiveScene::max_in_group;
 EditRefusal refusal_of(const Refused& refused, Revision head) {
     using Why = EditRefusal::Why;
@@ -121,26 +123,45 @@ Result<std::unique_ptr<LiveScene>> LiveScene::open(ScenePtr base, std::unique_pt
     return live;
 }
 
+/// What edits made of a document, on another scene file.
+Result<LiveScene::Rebased> LiveScene::rebased(const ScenePtr& base, const LiveDocument& document) const {
+    LiveDocument moved = LiveDocument::of(*base, now_at());
+    moved.clock = document.clock;
+    ScenePtr ground = base;
+    if (document.edited) {
+        if (auto restored = moved.restore(document.whole_message()); !restored) return restored.error();
+        auto compiled = compile(moved);
+        if (!compiled) return compiled.error();
+        ground = std::move(*compiled);
+    }
+    return Rebased{std::make_shared<const LiveDocument>(std::move(moved)), std::move(ground)};
+}
+
 void LiveScene::rebase(ScenePtr base) {
-    const std::lock_guard lock{mutex_};
-    LiveDocument document = LiveDocument::of(*base, now_at());
-    document.clock = document_->clock;
-    if (document_->edited) {
-        const auto restored = document.restore(document_->whole_message());
-        auto ground = restored ? compile(document) : Result<ScenePtr>{restored.error()};
-        if (!ground) {
+    std::unique_lock lock{mutex_};
+    auto before = document_;
+    for (int attempt = 1;; ++attempt) {
+        // A plan takes as long as a start, and nobody waits for it, unless edits of blocks come without a
+        // pause
+        const bool last = attempt == most_rebases;
+        if (!last) lock.unlock();
+        auto made = rebased(base, *before);
+        if (!last) lock.lock();
+        if (const auto now = document_; now != before) {
+            before = now;
+            continue;
+        }
+        if (!made) {
             spdlog::error(
                 "scene {}: goes on as it was, since what edits made of it does not fit its new files: {}",
-                id_, ground.error().detail);
+                id_, made.error().detail);
             return;
         }
-        ground_ = std::move(*ground);
-    } else {
-        ground_ = base;
+        base_ = std::move(base);
+        ground_ = std::move(made->ground);
+        document_ = compiled_ = std::move(made->document);
+        return publish();
     }
-    base_ = std::move(base);
-    document_ = compiled_ = std::make_shared<const LiveDocument>(std::move(document));
-    publish();
 }
 
 SceneClock::Time LiveScene::now_at() const {

@@ -75,7 +75,8 @@ class LiveScene final : public SceneNow {
     std::optional<JournalStatus> journal_status() const;
 
     /// The scene file or its assets have changed: the same sprites over another ground. What edits changed in
-    /// the file's own words stays as they left it. `base` as of open().
+    /// the file's own words stays as they left it. `base` as of open(). Takes as long as planning the scene,
+    /// and edits and pages go on meanwhile. By one thread at a time.
     void rebase(ScenePtr base);
 
     /// Which step it shows when.
@@ -127,6 +128,12 @@ class LiveScene final : public SceneNow {
     void keep_snapshot();
     static proto::LiveState state_of(const PositioningMap& map, const LiveDocument& document,
                                      Revision revision);
+
+    struct Rebased {
+        std::shared_ptr<const LiveDocument> document;
+        ScenePtr ground;
+    };
+    Result<Rebased> rebased(const ScenePtr& base, const LiveDocument& document) const;
 
     // Each of these is called with the lock, and gives it back unlocked
     void commit(std::unique_lock<std::mutex> lock);

@@ -1,7 +1,9 @@
 // Edits of more than sprites, compiled in groups: what is too much together is compiled in halves, what
 // became impossible meanwhile lets the others through, and a stop meanwhile loses nothing that was
 // acknowledged.
+#include <chrono>
 #include <condition_variable>
+#include <future>
 #include <mutex>
 #include <thread>
 
@@ -53,6 +55,10 @@ class Reluctant final : public SceneDocument {
         return SceneDocument::compile(message, painted, scene);
     }
 
+    void allow(int most) {
+        const std::lock_guard lock{mutex_};
+        most_ = most;
+    }
     void hold() { set(false); }
     void let_go() { set(true); }
     void wait_until_it_waits() const {
@@ -75,7 +81,7 @@ class Reluctant final : public SceneDocument {
         changed_.notify_all();
     }
 
-    const int most_;
+    int most_;
     mutable std::mutex mutex_;
     mutable std::condition_variable changed_;
     bool open_ = true;
@@ -233,6 +239,37 @@ TEST_F(GroundLane, AStopDuringACompilationAnswersEverybodyOnceAndLosesNothingTha
     const auto again = open();
     EXPECT_EQ(again->now()->revision, in);
     EXPECT_EQ(page(*again), lived);
+}
+
+TEST_F(GroundLane, AReloadPlansTheSceneWhileEditsGoOnAndLosesNoneOfThem) {
+    document_->allow(1024);
+    for (int turn = 0; turn < 20; ++turn) {
+        const Revision before = revision_of(send(painting(2 * turn)));
+        auto renamed = std::make_shared<Scene>(*scene_);
+        renamed->title = "turn " + std::to_string(turn);
+        document_->hold();
+        std::jthread reloads{[&] { live_->rebase(renamed); }};
+        document_->wait_until_it_waits();
+        auto sprite = std::async(std::launch::async, [&] {
+            return send(placing(static_cast<std::uint64_t>(turn + 1), 100, 100 + 8 * turn));
+        });
+        const bool taken = sprite.wait_for(std::chrono::seconds{5}) == std::future_status::ready;
+        EXPECT_TRUE(taken) << "edits wait for the reload";
+        if (!taken) return document_->let_go();
+        const std::size_t number = sprite.get();
+        EXPECT_EQ(revision_of(number), before + 1);
+        // What changes the document meanwhile is on the new files, too
+        const std::size_t painted = send(painting(2 * turn + 1));
+        document_->let_go();
+        EXPECT_EQ(revision_of(painted), before + 2);
+        reloads.join();
+        EXPECT_EQ(live_->now()->title, renamed->title);
+        EXPECT_EQ(live_->now()->revision, before + 2);
+    }
+    const auto lived = page(*live_);
+    live_.reset();
+    live_ = open();
+    EXPECT_EQ(page(*live_), lived);
 }
 
 }  // namespace
