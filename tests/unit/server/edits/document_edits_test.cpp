@@ -1,4 +1,5 @@
 // What each kind of edit means, and what is refused.
+#include <fstream>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -109,6 +110,29 @@ TEST_F(DocumentEdits, PaintOutsideOfTheMapOrOfItsValuesIsRefused) {
     EXPECT_NE(told(0, 0, 1, 1, 2, "areas").find("from 0 to 1"), std::string::npos);
     EXPECT_NE(told(0, 0, 1, 1, 0, "nothing").find("is no map that the scene file lists"), std::string::npos);
     EXPECT_NE(told(0, 0, 1, 1, 0, "which").find("there are: "), std::string::npos);
+}
+
+TEST_F(DocumentEdits, AnIndexBeyondWhatAProbabilityMapListsIsRefused) {
+    // Nothing bounds such a map but the plan that follows the paint
+    std::string json = EditedPattern::json("picks", false);
+    json.replace(json.find(R"({"name": "moving")"), 0,
+                 R"({"name": "entry", "editable": ["map"], "areas_map": {"grid": "cells", "edge": "clamp",
+                     "width": 2, "values": [0, 1, 2, 0]}},
+                    {"name": "listed", "probability_map": {"index": {"block": "entry"}, "material":
+                     {"entries": [{"pattern": 3}, {"pattern": 0}, {"pattern": 1}]}}},
+                    {"name": "picks", "reference_texture": {"patterns": "leaves", "grid": "cells",
+                     "index": {"block": "listed"}}}, )");
+    std::ofstream{files_.folder() / "scene.json"} << json;
+    document_ = LiveDocument::of(*load_scene(files_.folder()).value(), {});
+    for (const std::int32_t value : {3, 70000, -1}) {
+        proto::Edit edit;
+        paint(edit, "entry", 1, 1, 1, 1, value);
+        EXPECT_NE(refusal(edit).find("give integers from 0 to 2"), std::string::npos) << value;
+    }
+    proto::Edit edit;
+    paint(edit, "entry", 1, 1, 1, 1, 2);
+    EXPECT_TRUE(apply(edit));
+    EXPECT_EQ(entries("entry"), (std::vector<std::int32_t>{0, 1, 2, 2}));
 }
 
 TEST_F(DocumentEdits, MasksAndValuesOfAnotherLengthAreRefused) {
