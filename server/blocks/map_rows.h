@@ -14,8 +14,8 @@ inline void read_entries(const StoredMap& map, std::int64_t i, std::int64_t j, s
         for (std::int32_t k = 0; k < count; ++k) out[k] = map.entry(i + k, j);
         return;
     }
-    const std::int64_t row = (j % map.height + map.height) % map.height;
-    std::int64_t column = (i % map.width + map.width) % map.width;
+    const std::int64_t row = StoredMap::wrapped(j, map.height);
+    std::int64_t column = StoredMap::wrapped(i, map.width);
     for (std::int32_t done = 0; done < count;) {
         const auto run = static_cast<std::int32_t>(std::min<std::int64_t>(count - done, map.width - column));
         map.values.copy(static_cast<std::size_t>(row * map.width + column), static_cast<std::size_t>(run),

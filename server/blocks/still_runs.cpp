@@ -15,13 +15,6 @@ constexpr std::int64_t word_bits = 64, part_words = 16, part_bits = word_bits * 
 /// A table of the values' kinds may have so many entries; else they are searched for.
 constexpr std::int64_t most_listed = std::int64_t{1} << 16;
 
-/// Into 0 to `side` − 1, with one division, and mostly none.
-std::int64_t wrapped(std::int64_t i, std::int32_t side) noexcept {
-    if (i >= 0 && i < side) return i;
-    i %= side;
-    return i < 0 ? i + side : i;
-}
-
 }  // namespace
 
 /// Of some entries of a row a bit for each at which a run begins: that is of `other` kind, or of another than
@@ -78,7 +71,7 @@ StillRuns::Kind StillRuns::kind_at(std::int64_t x, std::int64_t y) const {
 StillRuns::Row StillRuns::row_of(std::int64_t y) const noexcept {
     std::int64_t j = (y - map_->y) >> map_->cells_log2;
     const bool blank = map_->edge == StoredMap::Edge::blank && (j < 0 || j >= map_->height);
-    j = map_->edge == StoredMap::Edge::wrap ? wrapped(j, map_->height)
+    j = map_->edge == StoredMap::Edge::wrap ? StoredMap::wrapped(j, map_->height)
                                             : std::clamp<std::int64_t>(j, 0, map_->height - 1);
     return {static_cast<std::size_t>(j * map_->width), static_cast<std::size_t>(j * parts_in_row_), blank};
 }
@@ -183,7 +176,7 @@ StillRuns::Found StillRuns::right(const Row& row, std::int64_t x, Kind kind, std
     }
     // Once round is enough
     const std::int64_t round_last = std::min(last, entry + width - 1);
-    for (std::int64_t i = wrapped(entry, map_->width); entry <= round_last;) {
+    for (std::int64_t i = StoredMap::wrapped(entry, map_->width); entry <= round_last;) {
         if (const Kind is = kind_of(value_of(row, i)); is != kind) return found(entry, is);
         const std::int64_t next = next_begin(row, i, std::min(width, i + (round_last - entry) + 1));
         entry += next - i;
@@ -213,7 +206,7 @@ StillRuns::Found StillRuns::left(const Row& row, std::int64_t x, Kind kind, std:
         return entry < last || beside == kind ? none : found(entry, beside);
     }
     const std::int64_t round_last = std::max(last, entry - width + 1);
-    for (std::int64_t i = wrapped(entry, map_->width); entry >= round_last;) {
+    for (std::int64_t i = StoredMap::wrapped(entry, map_->width); entry >= round_last;) {
         if (const Kind is = kind_of(value_of(row, i)); is != kind) return found(entry, is);
         const std::int64_t begin = last_begin(row, i, std::max<std::int64_t>(0, i - (entry - round_last)));
         entry -= i - begin + 1;

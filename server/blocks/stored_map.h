@@ -78,12 +78,18 @@ struct StoredMap {
 
     bool bounded() const noexcept { return least <= most; }
 
+    /// Into 0 to `side` − 1. Mostly it lies there, and a division takes long.
+    static constexpr std::int64_t wrapped(std::int64_t i, std::int32_t side) noexcept {
+        if (i >= 0 && i < side) return i;
+        i %= side;
+        return i < 0 ? i + side : i;
+    }
+
     /// The entry (i, j), counted from the map's first one on; any integers.
     std::int32_t entry(std::int64_t i, std::int64_t j) const noexcept {
         if (edge == Edge::wrap) {
-            // Mostly it lies inside, and a division takes long
-            if (i < 0 || i >= width) i = (i % width + width) % width;
-            if (j < 0 || j >= height) j = (j % height + height) % height;
+            i = wrapped(i, width);
+            j = wrapped(j, height);
         } else if (edge == Edge::clamp) {
             i = std::clamp<std::int64_t>(i, 0, width - 1);
             j = std::clamp<std::int64_t>(j, 0, height - 1);

@@ -123,7 +123,7 @@ class TargetDistance::Search {
                     way = 0;
                     return;
                 }
-                if (!is_passed(parts.front(), radius, way, row) || !look_at_row(parts, radius, row)) return;
+                if (!look_at_row(parts, radius, way, row)) return;
                 way = way_of(parts);
                 rows = rows_of(parts, radius, way);
             };
@@ -232,18 +232,50 @@ class TargetDistance::Search {
         return columns.empty() ? Columns{} : columns;
     }
 
-    /// Whether a ring may pass a place of a row on such a way.
-    bool is_passed(const Part& part, double radius, double way, std::int64_t row) const noexcept {
-        const double off = static_cast<double>(row) * spacing_ - part.y;
-        return disc(part.x, off, radius + way + margin) != disc(part.x, off, radius - way - margin);
+    /// Whether the ring may pass a place, counted from the first one, on a part as far as that matters still.
+    /// The walk's distance to it falls and rises: it is inside between two moments.
+    bool may_change(const Part& part, double place_x, double place_y, double radius) const noexcept {
+        const double steps = steps_of(part);
+        if (steps == 0) return false;
+        const double x = place_x - part.x, y = place_y - part.y, square = x * x + y * y;
+        const double least = radius - margin, most = radius + margin;
+        const bool inside = square < least * least && least > 0;
+        if (!inside && square <= most * most) return true;
+        const double along = x * part.by_x + y * part.by_y, speeds = part.speed * part.speed;
+        const double reach = inside ? least : most;
+        // Times the speed's square, of the way along: where the ring comes to it, or leaves it
+        const double half = along * along - speeds * (square - reach * reach);
+        if (half < 0 || (!inside && along < 0)) return false;
+        return (inside ? along + std::sqrt(half) : along - std::sqrt(half)) <= steps * speeds;
     }
 
-    /// Whether something was found there.
+    /// Looks at a row, whose places a ring may pass on such a way. Whether something was found there.
     template <std::size_t count>
-    bool look_at_row(const std::array<Part, count>& parts, double radius, std::int64_t row) {
+    bool look_at_row(const std::array<Part, count>& parts, double radius, double way, std::int64_t row) {
+        constexpr std::int64_t few = 8;
         const double y = static_cast<double>(row) * spacing_;
         const Part& first = parts.front();
+        const Columns outer = disc(first.x, y - first.y, radius + way + margin),
+                      inner = disc(first.x, y - first.y, radius - way - margin);
+        if (outer == inner) return false;
         const Validity before = found_;
+        const Columns left{outer.first, inner.empty() ? outer.last : inner.first - 1},
+            right{inner.empty() ? outer.last + 1 : inner.last + 1, outer.last};
+        if (left.last - left.first + right.last - right.first + 2 > few)
+            look_at_long_row(parts, radius, row);
+        else
+            for (const Columns& columns : {left, right})
+                for (std::int64_t column = columns.first; column <= columns.last; ++column)
+                    for (const Part& part : parts)
+                        if (may_change(part, static_cast<double>(column) * spacing_, y, radius))
+                            ask_place(column, row, part);
+        return !(found_ == before);
+    }
+
+    template <std::size_t count>
+    void look_at_long_row(const std::array<Part, count>& parts, double radius, std::int64_t row) {
+        const double y = static_cast<double>(row) * spacing_;
+        const Part& first = parts.front();
         const Columns inside = disc(first.x, y - first.y, radius - margin),
                       touched = disc(first.x, y - first.y, radius + margin);
         for (const Part& part : parts) {
@@ -277,7 +309,6 @@ class TargetDistance::Search {
                 if (right && !open.empty()) ask(open.last--);
             }
         }
-        return !(found_ == before);
     }
 
     /// Asks those of `columns` that `clip` leaves, one in their middle first.
