@@ -30,16 +30,21 @@ HeldMap HeldMap::of(std::span<const HeldReach> sprites) {
         const auto last = [&](double at, double low, int count) {
             return std::min(static_cast<int>((at + sprite.radius - low) / map.cell), count - 1);
         };
+        bool is_whole = true;
         for (int y = first(sprite.y, map.low_y); y <= last(sprite.y, map.low_y, map.rows); ++y)
             for (int x = first(sprite.x, map.low_x); x <= last(sprite.x, map.low_x, map.columns); ++x) {
                 const auto at = static_cast<std::size_t>(y) * static_cast<std::size_t>(map.columns) +
                                 static_cast<std::size_t>(x);
-                if (used[at] == most_layers) continue;
+                if (used[at] == most_layers) {
+                    is_whole = false;
+                    continue;
+                }
                 const std::size_t layer = used[at]++;
                 if (map.cells.size() < (layer + 1) * area) map.cells.resize((layer + 1) * area);
                 map.cells[layer * area + at] = static_cast<std::uint16_t>(i + 1);
                 map.layers = std::max(map.layers, static_cast<int>(layer) + 1);
             }
+        if (!is_whole) ++map.hidden;
     }
     return map;
 }

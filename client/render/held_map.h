@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -37,6 +38,7 @@ struct HeldMap {
     double cell = 1;              ///< Texels of level 0
     int columns = 0, rows = 0;
     int layers = 0;                    ///< In use
+    std::size_t hidden = 0;            ///< Sprites that a cell they meet has no layer left for
     std::vector<std::uint16_t> cells;  ///< [layer][row][column]: a sprite's index + 1; 0: no more
 
     /// Of sprites in the order in which they are drawn, at most 65534.

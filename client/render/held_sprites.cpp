@@ -120,6 +120,7 @@ int HeldSprites::layer_of(std::int32_t pattern) {
 }
 
 bool HeldSprites::prepare(std::span<const HeldSprite> sprites, const PlaneView& view) {
+    undrawn_ = 0;
     std::vector<HeldReach> reaches;
     std::vector<float> list;
     std::vector<std::int32_t> used;
@@ -138,7 +139,10 @@ bool HeldSprites::prepare(std::span<const HeldSprite> sprites, const PlaneView& 
     const double to_image = image_side_ / side_texels_;
     for (const HeldSprite& sprite : sprites) {
         const int layer = layer_of(sprite.pattern);
-        if (layer < 0 || reaches.size() == most_sprites) continue;
+        if (layer < 0 || reaches.size() == most_sprites) {
+            if (levels_.contains(sprite.pattern)) ++undrawn_;
+            continue;
+        }
         const GroundPoint at{distance_x(view.camera().ground, sprite.middle),
                              distance_y(view.camera().ground, sprite.middle)};
         const double half = side_texels_ * sprite.scale * std::numbers::sqrt2 / 2;
@@ -150,6 +154,7 @@ bool HeldSprites::prepare(std::span<const HeldSprite> sprites, const PlaneView& 
             list.push_back(static_cast<float>(word));
     }
     const HeldMap map = HeldMap::of(reaches);
+    undrawn_ += map.hidden;
     glPixelStorei(GL_UNPACK_ALIGNMENT, 2);
     glTextureSubImage3D(map_.name(), 0, 0, 0, 0, map.columns, map.rows, map.layers, GL_RED_INTEGER,
                         GL_UNSIGNED_SHORT, map.cells.data());

@@ -30,6 +30,9 @@ class HeldSprites {
     /// beyond most_sprites, are left out. False: nothing is to be drawn.
     bool prepare(std::span<const HeldSprite> sprites, const PlaneView& view);
 
+    /// How many sprites the last prepare() had no room for: they are not drawn, or not everywhere.
+    std::size_t undrawn() const { return undrawn_; }
+
     /// The uniform block `Held`, in std140.
     struct Block {
         float low[2] = {};
@@ -57,6 +60,7 @@ class HeldSprites {
     double side_texels_ = 1;
     int layers_ = 0, used_layers_ = 0;
     GlTexture map_, list_, patterns_;
+    std::size_t undrawn_ = 0;
     Block block_;
 };
 

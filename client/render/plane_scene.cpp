@@ -24,8 +24,7 @@ ResidencyFrame PlaneScene::update(const PlaneView& view, FrameTime time, FilterC
     // From now on sums are made while texels are at hand; draw() says why if there is no room
     const bool sums = filter.filter == Filter::line_integral ||
                       (view.split() && view.split()->right.kind == Sampling::Kind::line_integral);
-    if (sums && !integrals_)
-        if (auto made = IntegralStore::make(residency_.slots())) integrals_ = std::move(made.value());
+    if (sums) static_cast<void>(make_integrals());
     const auto begin = std::chrono::steady_clock::now();
     for (const SlotUpload& upload : frame.uploads) {
         pages_.upload(upload.slot, upload.texels);
@@ -46,13 +45,21 @@ ResidencyFrame PlaneScene::update(const PlaneView& view, FrameTime time, FilterC
     return frame;
 }
 
+Result<void> PlaneScene::make_integrals() {
+    if (integrals_) return {};
+    if (!no_integrals_) {
+        auto made = IntegralStore::make(residency_.slots());
+        if (made)
+            integrals_ = std::move(made.value());
+        else
+            no_integrals_ = made.error();
+    }
+    return no_integrals_ ? Result<void>{*no_integrals_} : Result<void>{};
+}
+
 /// Before a page is shown by its integrals, they are there.
 Result<void> PlaneScene::bring_integrals() {
-    if (!integrals_) {
-        auto made = IntegralStore::make(residency_.slots());
-        if (!made) return made.error();
-        integrals_ = std::move(made.value());
-    }
+    if (const auto there = make_integrals(); !there) return there.error();
     const std::vector<int> slots(without_integrals_.begin(), without_integrals_.end());
     integrals_->upload_from(pages_.coded_texture(), gutter_texels, slots);
     without_integrals_.clear();
@@ -68,6 +75,7 @@ Result<void> PlaneScene::resize(std::size_t slots) {
     pages_ = std::move(pages.value());
     // Sums are made again where they are wanted
     integrals_.reset();
+    no_integrals_.reset();
     without_integrals_.clear();
     for (const auto& [page, slot] : residency_.cache().pages()) without_integrals_.insert(slot);
     table_.update(residency_.table());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <set>
 
 #include "client/render/held_sprites.h"
@@ -36,6 +37,7 @@ class PlaneScene {
     /// What hands hold in the next draw(): over the pages, in this order.
     void show_held(std::vector<HeldSprite> sprites) { held_ = std::move(sprites); }
     HeldSprites& held_patterns() { return held_sprites_; }
+    const HeldSprites& held_patterns() const { return held_sprites_; }
 
     /// Draws the view of the last update(), which was for the same filter. `style.lod_bias` and
     /// `style.now_ms` are set here. Error: io_failure (the driver refuses the filter's shader, or has no
@@ -60,6 +62,8 @@ class PlaneScene {
 
   private:
     PlaneScene(Extent extent, PageSource& source, const ResidencySettings& settings, PlaneRenderer renderer);
+    /// Of all slots, once; where there was no room it is not tried again before resize().
+    Result<void> make_integrals();
     Result<void> bring_integrals();
     TexelTextures textures(const IntegralStore* integrals, const HeldSprites* held, GLuint feedback) const;
 
@@ -71,6 +75,7 @@ class PlaneScene {
     HeldSprites held_sprites_;
     std::vector<HeldSprite> held_;
     std::unique_ptr<IntegralStore> integrals_;  ///< Made when Filter::line_integral is first drawn
+    std::optional<Error> no_integrals_;         ///< Why there is no room for them, until resize()
     std::set<int> without_integrals_;           ///< Slots whose page came since
     UploadBudget budget_;
     double upload_ms_ = 0;

@@ -86,6 +86,7 @@ void SessionLog::measured(const ViewFrame& frame, const ResidencyFrame& outcome,
                   .round_trip_ms = costs.link.round_trip_ms,
                   .revision = costs.link.revision,
                   .trouble = costs.link.trouble,
+                  .undrawn_held = scene.held_patterns().undrawn(),
                   .checked_pixels = checked.pixels,
                   .wrong_pixels = checked.wrong});
     if (!file_) {  // the overlay's figures are of the last second too

@@ -267,9 +267,11 @@ class Viewer {
     /// A filter that the driver refuses is left for the one that always works.
     void give_up_filter(const Error& error) {
         if (switches_.split) switches_.split.reset();
-        if (switches_.filter.filter != Filter::trilinear)
-            std::fprintf(stderr, "tessera-view: %s: %s\n", title_of(switches_.filter.filter),
-                         error.detail.c_str());
+        if (switches_.filter.filter != Filter::trilinear) {
+            tell(
+                std::string{title_of(switches_.filter.filter)} + ": " + error.detail + "; trilinear is shown",
+                false);
+        }
         switches_.filter.filter = Filter::trilinear;
     }
 

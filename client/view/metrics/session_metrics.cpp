@@ -73,7 +73,9 @@ void SessionMetrics::add(const FrameSample& sample) {
         .revision = sample.revision,
         .counts = requests.counts(),
         .evictions = residency.cache().evictions(),
-        .trouble = sample.trouble};
+        .trouble = sample.trouble,
+        .undrawn_held = sample.undrawn_held,
+        .unlifted_holds = outcome.unlifted_holds.size()};
 }
 
 view::MetricsLine SessionMetrics::of(const Line& part) const {
@@ -137,6 +139,8 @@ view::MetricsLine SessionMetrics::of(const Line& part) const {
     line.set_checked_pixels(checked_pixels_);
     line.set_wrong_page_pixels(wrong_pixels_);
     line.set_trouble(last_.trouble);
+    line.set_undrawn_held(count(last_.undrawn_held));
+    line.set_unlifted_holds(count(last_.unlifted_holds));
     return line;
 }
 

@@ -33,7 +33,8 @@ struct FrameSample {
     std::uint64_t bytes_received = 0;
     double round_trip_ms = 0;  ///< Of the link; 0: unknown.
     std::uint64_t revision = 0;
-    std::string trouble{};  ///< Why nothing comes; empty: all is well.
+    std::string trouble{};         ///< Why nothing comes; empty: all is well.
+    std::size_t undrawn_held = 0;  ///< As HeldSprites::undrawn().
     /// Pixels whose pages were compared with what was brought for them, and those that failed.
     double checked_pixels = 0, wrong_pixels = 0;
 };
@@ -81,6 +82,7 @@ class SessionMetrics {
         RequestCounts counts{};
         std::uint64_t evictions = 0;
         std::string trouble{};
+        std::size_t undrawn_held = 0, unlifted_holds = 0;
     } last_;
 };
 

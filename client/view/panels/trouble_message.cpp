@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <string>
 
 #include "client/view/panels/panels.h"
 
@@ -14,22 +15,48 @@ float message_width(float scale) {
     return std::max(80.0F, std::min(360 * scale, ImGui::GetIO().DisplaySize.x - 48 * scale));
 }
 
+struct Trouble {
+    const char* heading = "";
+    std::string words{};
+};
+
+/// Why hands do not show all that they hold; no words: they do.
+Trouble trouble_of_hands(const PanelContents& contents) {
+    Trouble trouble{"Not all that is held is seen"};
+    if (const std::size_t undrawn = contents.plane.held_patterns().undrawn(); undrawn > 0)
+        trouble.words = std::to_string(undrawn) + (undrawn == 1 ? " sprite is" : " sprites are") +
+                        " not drawn, or not everywhere, until let go: at most " +
+                        std::to_string(HeldSprites::most_sprites) + " are, and " +
+                        std::to_string(HeldMap::most_layers) + " over each other.";
+    if (contents.frame.unlifted_holds.empty()) return trouble;
+    if (!trouble.words.empty()) trouble.words += ' ';
+    trouble.words += "A change touches more pages than can be kept beside: it is seen once they have come.";
+    return trouble;
+}
+
+Trouble trouble_of(const PanelContents& contents) {
+    // A lost stream is the cause of what its requests say
+    if (!contents.source.trouble.empty()) return {"No connection", contents.source.trouble};
+    // That pages ended with a connection says nothing once there is another
+    const std::string& problem = contents.plane.residency().requests().problem();
+    if (!problem.empty() && problem != contents.source.last_loss)
+        return {"Pages do not come; trying again", problem};
+    return trouble_of_hands(contents);
+}
+
 }  // namespace
 
 void trouble_message(const PanelContents& contents) {
-    // A lost stream is the cause of what its requests say
-    const std::string& trouble = contents.source.trouble;
-    const std::string& problem = trouble.empty() ? contents.plane.residency().requests().problem() : trouble;
-    // That pages ended with a connection says nothing once there is another
-    if (problem.empty() || (trouble.empty() && problem == contents.source.last_loss)) return;
+    const auto [heading, words] = trouble_of(contents);
+    if (words.empty()) return;
     const ImVec2 screen = ImGui::GetIO().DisplaySize;
     const float margin = 12 * contents.scale;
     ImGui::SetNextWindowPos({screen.x - margin, screen.y - margin - contents.room.below_corner},
                             ImGuiCond_Always, {1, 1});
     ImGui::Begin("trouble", nullptr, message_flags);
     ImGui::PushTextWrapPos(message_width(contents.scale));
-    wrapped(panel_colours::bad, trouble.empty() ? "Pages do not come; trying again" : "No connection");
-    ImGui::TextWrapped("%s", problem.c_str());
+    wrapped(panel_colours::bad, heading);
+    ImGui::TextWrapped("%s", words.c_str());
     ImGui::PopTextWrapPos();
     ImGui::End();
 }

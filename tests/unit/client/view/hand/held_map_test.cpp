@@ -48,6 +48,19 @@ TEST(HeldMap, LayersKeepTheOrderOfDrawing) {
     for (std::size_t layer = 0; layer < 3; ++layer) EXPECT_EQ(map.cells[layer * area], layer + 1);
 }
 
+TEST(HeldMap, TellsHowManyACellHasNoLayerLeftFor) {
+    // One stands alone, the others on one spot
+    std::vector<HeldReach> sprites{{500, 500, 10}};
+    for (int i = 0; i < HeldMap::most_layers; ++i) sprites.push_back({0, 0, 10});
+    EXPECT_EQ(HeldMap::of(sprites).hidden, 0u);
+    for (std::size_t more = 1; more <= 3; ++more) {
+        sprites.push_back({0, 0, 10});
+        const HeldMap map = HeldMap::of(sprites);
+        EXPECT_EQ(map.hidden, more);
+        EXPECT_EQ(map.layers, HeldMap::most_layers);
+    }
+}
+
 TEST(HeldMap, OfNothingIsNothing) { EXPECT_EQ(HeldMap::of({}).layers, 0); }
 
 }  // namespace
