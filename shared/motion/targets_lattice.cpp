@@ -240,7 +240,9 @@ class TargetDistance::Search {
         const double x = place_x - part.x, y = place_y - part.y, square = x * x + y * y;
         const double least = radius - margin, most = radius + margin;
         const bool inside = square < least * least && least > 0;
-        if (!inside && square <= most * most) return true;
+        // From far off, doubles cannot tell a target that grazes the ring from one that passes it
+        constexpr double near = 65536;
+        if ((!inside && square <= most * most) || square > near * near) return true;
         const double along = x * part.by_x + y * part.by_y, speeds = part.speed * part.speed;
         const double reach = inside ? least : most;
         // Times the speed's square, of the way along: where the ring comes to it, or leaves it

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "shared/math/hash.h"
+
 namespace tessera {
 namespace {
 
@@ -155,6 +157,42 @@ TEST(TargetDistance, KnowsHowLongALatticeStaysAsItIs) {
         }
     EXPECT_GT(ends, 1000);
     EXPECT_GT(long_ones, 300);
+}
+
+/// Doubles pick which places are asked, and far off they are coarse: a target that only grazes a ring on its
+/// way past must not be missed.
+TEST(TargetDistance, KnowsHowLongALatticeStaysAsItIsWhereATargetComesFromFarAway) {
+    const TimeLine two{std::array<std::uint32_t, 2>{1, 1}};
+    const MotionLattice places{{8, 8}, 16, 3, 3};
+    int ends = 0;
+    for (std::int64_t i = 0; i < 4000; ++i) {
+        const auto dice = [&](std::int64_t which, std::int64_t count) {
+            return static_cast<std::int64_t>(hash(5, stream("far"), i, which) %
+                                             static_cast<std::uint64_t>(count));
+        };
+        const std::int64_t far = 1 + dice(0, 60),
+                           away = (std::int64_t{1} << (14 + dice(1, 24))) + dice(2, 9999);
+        // Past one of the places, about as far from it as the ring reaches
+        const std::int64_t x = 8 + 16 * dice(3, 3) + (far + dice(4, 3) - 1) * (2 * dice(5, 2) - 1);
+        const std::int64_t slant = dice(6, 5) - 2, y = 24;
+        const auto steps = static_cast<std::uint32_t>(1 + dice(7, std::int64_t{1} << 20));
+        const std::array<MovingTarget::Leg, 2> legs{
+            {{{x + slant, y - away}, steps}, {{x - slant, y + away}, steps}}};
+        const std::array targets{MovingTarget{legs, 0}};
+        const TargetDistance law{two, 0, far, targets};
+        const Step step = dice(8, 2 * std::int64_t{steps});
+        Validity narrowed, each;
+        law.narrow(places, step, narrowed);
+        for (std::int64_t row = 0; row < places.rows; ++row)
+            for (std::int64_t column = 0; column < places.columns; ++column)
+                each.meet(law.shown_at({places.first.x + column * places.spacing,
+                                        places.first.y + row * places.spacing},
+                                       step)
+                              .validity);
+        ASSERT_EQ(narrowed, each) << i;
+        ends += !each.is_static();
+    }
+    EXPECT_GT(ends, 500);
 }
 
 TEST(TargetDistance, LooksNoFurtherThanItIsAsked) {
