@@ -266,12 +266,14 @@ class Viewer {
 
     /// A filter that the driver refuses is left for the one that always works.
     void give_up_filter(const Error& error) {
-        if (switches_.split) switches_.split.reset();
-        if (switches_.filter.filter != Filter::trilinear) {
+        // Of a split picture nobody knows which side it was
+        if (switches_.split)
+            tell("split: " + error.detail + "; trilinear is shown", false);
+        else if (switches_.filter.filter != Filter::trilinear)
             tell(
                 std::string{title_of(switches_.filter.filter)} + ": " + error.detail + "; trilinear is shown",
                 false);
-        }
+        switches_.split.reset();
         switches_.filter.filter = Filter::trilinear;
     }
 

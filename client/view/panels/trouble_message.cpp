@@ -25,9 +25,10 @@ Trouble trouble_of_hands(const PanelContents& contents) {
     Trouble trouble{"Not all that is held is seen"};
     if (const std::size_t undrawn = contents.plane.held_patterns().undrawn(); undrawn > 0)
         trouble.words = std::to_string(undrawn) + (undrawn == 1 ? " sprite is" : " sprites are") +
-                        " not drawn, or not everywhere, until let go: at most " +
-                        std::to_string(HeldSprites::most_sprites) + " are, and " +
-                        std::to_string(HeldMap::most_layers) + " over each other.";
+                        " not drawn, or not everywhere, until let go. There is room for " +
+                        std::to_string(HeldSprites::most_sprites) + ", for " +
+                        std::to_string(HeldMap::most_layers) +
+                        " over each other, and for as many patterns as the driver keeps.";
     if (contents.frame.unlifted_holds.empty()) return trouble;
     if (!trouble.words.empty()) trouble.words += ' ';
     trouble.words += "A change touches more pages than can be kept beside: it is seen once they have come.";

@@ -83,12 +83,17 @@ TEST_P(JournalKeeping, RefusesByNameWhatLiesBeyondItsHorizonOfRevisions) {
     EXPECT_EQ(find_and_wait(*journal, id_of(1)).value(), std::nullopt);
 }
 
-TEST_P(JournalKeeping, ForgetsByAgeAlsoWhenNothingHappens) {
-    std::atomic<std::int64_t> hours = 0;
+/// Of a journal whose clock shows `hours`, which live longer.
+JournalOptions remembering_a_day(const std::atomic<std::int64_t>& hours) {
     JournalOptions options = scene_options();
     options.horizon.age = 24h;
     options.clock = [&hours] { return JournalTime{std::chrono::hours{hours}}; };
-    const auto journal = open(options);
+    return options;
+}
+
+TEST_P(JournalKeeping, ForgetsByAgeAlsoWhenNothingHappens) {
+    std::atomic<std::int64_t> hours = 0;
+    const auto journal = open(remembering_a_day(hours));
     for (std::uint64_t n = 1; n <= 48; ++n, ++hours) append_and_wait(*journal, edit(n));
     ASSERT_TRUE(keep_snapshot_and_wait(*journal, {47, ""}));
     ASSERT_TRUE(keep_snapshot_and_wait(*journal, {48, ""}));
@@ -107,10 +112,7 @@ TEST_P(JournalKeeping, ForgetsByAgeAlsoWhenNothingHappens) {
 
 TEST_P(JournalKeeping, AsksForASnapshotOfFewEditsOnceTheyAreOld) {
     std::atomic<std::int64_t> hours = 0;
-    JournalOptions options = scene_options();
-    options.horizon.age = 24h;
-    options.clock = [&hours] { return JournalTime{std::chrono::hours{hours}}; };
-    const auto journal = open(options);
+    const auto journal = open(remembering_a_day(hours));
     Revision head = 0;
     for (; hours < 24; ++hours) {
         EXPECT_FALSE(journal->status().snapshot_due) << hours;
