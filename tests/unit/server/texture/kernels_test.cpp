@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -188,6 +189,74 @@ TEST(Kernels, ABoxIsAddedRowByRowAndNothingBesideIt) {
                     << available_kernels().items[k]->name << ", " << i;
             }
         }
+}
+
+/// Units of a kind, and a band of rows under them.
+struct UnitsShown {
+    std::int32_t unit_side, image_side, first, count;
+    std::size_t across;
+    std::size_t row_floats() const { return (std::size_t(image_side) * 3 + 7) / 8 * 8; }
+};
+
+/// From left to right, of each unit what it shows itself and then what hangs over from the one above it.
+void expect_variants(const Kernels& kernel, const UnitsShown& shown) {
+    constexpr std::uint16_t type_count = 7;
+    const std::size_t row_floats = shown.row_floats();
+    std::vector<float> images(std::size_t{type_count} * std::size_t(shown.image_side) * row_floats + 16);
+    for (std::size_t i = 0; i + 16 < images.size(); ++i)
+        if (i % row_floats < std::size_t(shown.image_side) * 3)
+            images[i] = float(random(std::int64_t(i), 600) >> 40) / float(1 << 24) - 0.5F;
+    const auto down = std::size_t((shown.first + shown.count - 1) / shown.unit_side + 1);
+    std::vector<std::uint16_t> types;
+    for (std::int64_t i = 0; i < std::int64_t((down + 1) * shown.across); ++i)
+        types.push_back(static_cast<std::uint16_t>(random(i, 601) % type_count));
+
+    Kernels::VariantBand band;
+    band.types = types.data() + shown.across;
+    band.types_stride = std::ptrdiff_t(shown.across);
+    band.units_across = shown.across;
+    band.units_down = down;
+    band.images = images.data();
+    band.row_floats = row_floats;
+    band.unit_side = shown.unit_side;
+    band.image_side = shown.image_side;
+    band.first = shown.first;
+    band.count = shown.count;
+    // The last unit may have one texel in the row
+    const std::size_t stride = ((shown.across - 1) * std::size_t(shown.unit_side) + 1) * 3 + row_floats;
+    std::vector<float> rgb;
+    for (std::int64_t i = 0; i < std::int64_t(stride) * shown.count; ++i)
+        rgb.push_back(float(random(i, 602) >> 40) / float(1 << 24));
+    std::vector<float> expected = rgb;
+    kernel.add_variants(band, rgb.data(), std::ptrdiff_t(stride));
+    for (std::int32_t row = 0; row < shown.count; ++row) {
+        const std::int32_t y = (shown.first + row) % shown.unit_side;
+        const std::uint16_t* own =
+            types.data() + std::size_t((shown.first + row) / shown.unit_side + 1) * shown.across;
+        float* const out = expected.data() + std::size_t(row) * stride;
+        for (std::size_t column = 0; column < shown.across; ++column)
+            for (const auto& [type, line] :
+                 {std::pair{own[column], y}, std::pair{*(own + column - shown.across), y + shown.unit_side}})
+                for (std::size_t i = 0; line < shown.image_side && i < row_floats; ++i)
+                    out[column * std::size_t(shown.unit_side) * 3 + i] +=
+                        images[(type * std::size_t(shown.image_side) + std::size_t(line)) * row_floats + i];
+        const std::size_t in_row = ((shown.across - 1) * std::size_t(shown.unit_side) + 1) * 3;
+        for (std::size_t i = 0; i < in_row; ++i)
+            ASSERT_EQ(rgb[std::size_t(row) * stride + i], out[i])
+                << kernel.name << ", units of " << shown.unit_side << ", images of " << shown.image_side
+                << ", row " << row << ", float " << i;
+    }
+}
+
+TEST(Kernels, VariantsAreAddedFromLeftToRightEachWithWhatHangsOverFromAbove) {
+    for (std::size_t k = 0; k < available_kernels().count; ++k)
+        for (std::int32_t unit_side = 1; unit_side <= 16; unit_side *= 2)
+            for (std::int32_t image_side = unit_side; image_side <= 2 * unit_side; ++image_side)
+                for (std::int32_t first = 0; first < std::min(unit_side, 3); ++first)
+                    for (const std::int32_t count : {1, 6, 16})
+                        for (const std::size_t across : {1, 2, 9})
+                            expect_variants(*available_kernels().items[k],
+                                            {unit_side, image_side, first, count, across});
 }
 
 TEST(Kernels, NodesAddOwnAndWhatHangsOverFromThreeNeighbours) {
