@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <array>
+#include <span>
 
 #include "server/texture/exchange_walk.h"
 #include "shared/math/srgb.h"
@@ -15,12 +17,19 @@ Result<Evaluation> ExchangeWalk::one_texel(const Block& block, const Budget& bud
     std::uint8_t* out = codes_->row(block.out_y) + std::ptrdiff_t{block.out_x} * 4;
     std::int32_t sums[3] = {};
     std::uint64_t blended = 0;
-    const auto show = [&](const Shapes::Shape& shape, std::int32_t x, std::int32_t y) {
-        for (const Shapes::Segment& segment : layout_.shapes.row(shape, y)) {
+    /// A shape whose box lies over the texel: its row, the texel's column in it, and what it shows there.
+    struct Candidate {
+        std::span<const Shapes::Segment> row;
+        std::int32_t x;
+        const std::uint8_t* codes;
+    };
+    std::array<Candidate, 4> candidates;
+    std::size_t found = 0;
+    const auto show = [&](const Candidate& candidate) {
+        const auto [row, x, codes] = candidate;
+        for (const Shapes::Segment& segment : row) {
             if (x >= segment.end) continue;
             if (x < segment.begin) break;
-            const std::uint8_t* codes =
-                source.exemplar.code_row(shape.from_y + y) + std::ptrdiff_t{shape.from_x + x} * 4;
             if (segment.weights == Shapes::Segment::all_one) {
                 std::copy_n(codes, 4, out);
                 return true;
@@ -33,6 +42,11 @@ Result<Evaluation> ExchangeWalk::one_texel(const Block& block, const Budget& bud
             break;
         }
         return false;
+    };
+    const auto show_all = [&] {
+        const bool shown = std::any_of(candidates.begin(), candidates.begin() + found, show);
+        found = 0;
+        return shown;
     };
 
     // The units whose shapes may reach the texel: its own, and those before it that hang over
@@ -52,11 +66,19 @@ Result<Evaluation> ExchangeWalk::one_texel(const Block& block, const Budget& bud
                 const std::int64_t column = in_x - std::int64_t{one.tile_x} * layout_.tile_side - box.x;
                 const std::int64_t row = in_y - std::int64_t{one.tile_y} * layout_.tile_side - box.y;
                 if (column < 0 || row < 0 || column >= box.width || row >= box.height) continue;
-                if (show(layout_.shapes[one.shape], static_cast<std::int32_t>(column),
-                         static_cast<std::int32_t>(row)))
+                const auto u = static_cast<std::int32_t>(column), v = static_cast<std::int32_t>(row);
+                const Shapes::Shape& shape = layout_.shapes[one.shape];
+                Candidate& candidate = candidates[found++];
+                candidate = {
+                    layout_.shapes.row(shape, v), u,
+                    source.exemplar.code_row(shape.from_y + v) + std::ptrdiff_t{shape.from_x + u} * 4};
+                __builtin_prefetch(candidate.codes);
+                __builtin_prefetch(candidate.row.data());
+                if (found == candidates.size() && show_all())
                     return Evaluation{.method = "exemplar", .work = 1};
             }
         }
+    if (show_all()) return Evaluation{.method = "exemplar", .work = 1};
     constexpr auto one = static_cast<std::int32_t>(Shapes::weight_one);
     std::copy_n(tile, 4, out);
     if (blended > 0)
