@@ -75,6 +75,21 @@ namespace {
 /// looked up once for most of its rows, and these are fewer on coarser levels.
 constexpr std::int32_t rows_together(int level) { return 16 << std::min(level, 2); }
 
+/// Small stamps lie where no processor guesses them: where one's rows are is fetched first, and then what
+/// they hold.
+void fetch_spans(const StampSpans::Level& level, std::size_t shape) {
+    __builtin_prefetch(level.spans.data() + level.stamps[shape].first_span);
+}
+void fetch_box(const StampSpans::Level& level, std::size_t shape, const float* values) {
+    constexpr std::ptrdiff_t line = 64 / sizeof(float);
+    const StampSpans::Stamp& stamp = level.stamps[shape];
+    if (!stamp.box) return;
+    const StampSpans::Span& span = level.spans[stamp.first_span];
+    const float* first = values + std::size_t{span.offset} * StampSpans::row_floats;
+    const std::ptrdiff_t floats = std::ptrdiff_t{span.end - span.begin} * 3 * stamp.rows;
+    for (std::ptrdiff_t i = 0; i < floats; i += line) __builtin_prefetch(first + i);
+}
+
 }  // namespace
 
 Result<Evaluation> ExchangeWalk::sum_stamps(const Block& block, const Budget& budget) const {
@@ -100,8 +115,15 @@ Result<Evaluation> ExchangeWalk::sum_stamps(const Block& block, const Budget& bu
                 const std::int64_t unit_y = (uy << unit_shift) - block.y - first;
                 // Coarse texels reach a little further than the shapes in them
                 const std::int64_t slack = std::int64_t{1} << block.level;
-                for (const Shown& one : layout_.rows_of(shown.at(ux, uy), (-unit_y << block.level) - slack,
-                                                        ((count - unit_y) << block.level) + slack)) {
+                const std::span<const Shown> list =
+                    layout_.rows_of(shown.at(ux, uy), (-unit_y << block.level) - slack,
+                                    ((count - unit_y) << block.level) + slack);
+                for (std::size_t i = 0; i < list.size(); ++i) {
+                    if (i + 4 < list.size()) fetch_spans(spans, list[i + 4].shape);
+                    if (i + 2 < list.size())
+                        for (const ExchangeTexels* source : sources_)
+                            fetch_box(spans, list[i + 2].shape, source->stamps.values(block.level));
+                    const Shown& one = list[i];
                     const StampSpans::Stamp& stamp = spans.stamps[one.shape];
                     const std::int64_t y = unit_y + one.tile_y * tile_side + stamp.y;
                     const std::int64_t from = std::max<std::int64_t>(y, 0);
