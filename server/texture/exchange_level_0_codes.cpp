@@ -67,11 +67,13 @@ class ExchangeWalk::Level0Codes {
         for (std::int32_t row = 0; row < count_; ++row) {
             for_runs(summed_.row(row), block_.width, [&](std::int32_t left, std::int32_t right) {
                 for_tile(row, left, right, [&](std::int32_t x, std::int32_t width, const std::uint8_t* tile) {
-                    kernels().encode_blended(sums(row, x), tile, width, codes_at(row, x));
+                    blended_runs_.push_back({sums(row, x), tile, codes_at(row, x), width});
                 });
             });
             for (TexelBits* bits : {&blended_, &met_, &summed_}) bits->clear_row(row);
         }
+        kernels().encode_blended(blended_runs_.data(), blended_runs_.size());
+        blended_runs_.clear();
     }
 
   private:
@@ -112,6 +114,7 @@ class ExchangeWalk::Level0Codes {
             blended[word] |= bits;
         });
         runs_.push_back(run);
+        __builtin_prefetch(layout_.joined.parts(*run.span).data());
     }
     bool meets_others(const Run& run) {
         std::uint64_t others = 0;
@@ -152,6 +155,7 @@ class ExchangeWalk::Level0Codes {
     std::vector<Run> runs_;
     std::vector<Kernels::CopyRun> copies_;
     std::vector<Kernels::BlendRun<std::uint8_t>> blends_;
+    std::vector<Kernels::BlendedRun> blended_runs_;
 };
 
 Result<Evaluation> ExchangeWalk::blend_codes(const Block& block, const Budget& budget) const {

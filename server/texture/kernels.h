@@ -61,9 +61,16 @@ struct Kernels {
     void (*blend)(const BlendRun<std::uint8_t>* runs, std::size_t count);
     /// The same of linear steps.
     void (*blend_steps)(const BlendRun<std::uint16_t>* runs, std::size_t count);
-    /// tile + sums / weight_one, rounded, as sRGB codes, opaque; leaves zero sums.
-    void (*encode_blended)(std::int32_t* sums, const std::uint8_t* tile, std::int32_t width,
-                           std::uint8_t* rgba);
+    /// A run of texels that are blended: RGBA.
+    struct BlendedRun {
+        std::int32_t* sums;
+        const std::uint8_t* tile;
+        std::uint8_t* rgba;
+        std::int32_t width;
+    };
+    /// tile + sums / weight_one, rounded, as sRGB codes, opaque; leaves zero sums. Many at once, as for
+    /// blend.
+    void (*encode_blended)(const BlendedRun* runs, std::size_t count);
 
     /// A run of texels to be copied: RGBA.
     struct CopyRun {

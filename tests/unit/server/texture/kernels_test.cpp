@@ -59,7 +59,8 @@ TEST(Kernels, EncodeBlendedGivesTheNearestCodeOfEveryStep) {
         std::vector<std::int32_t> sums(std::size_t{width} * 4);
         for (int step = 0; step < 65536; ++step) sums[std::size_t(step / 3 * 4 + step % 3)] = step * 32768;
         std::vector<std::uint8_t> rgba(std::size_t{width} * 4);
-        available_kernels().items[k]->encode_blended(sums.data(), tile.data(), width, rgba.data());
+        const Kernels::BlendedRun run{sums.data(), tile.data(), rgba.data(), width};
+        available_kernels().items[k]->encode_blended(&run, 1);
         for (std::size_t step = 0; step < 65536; ++step)
             ASSERT_EQ(rgba[step / 3 * 4 + step % 3], steps_to_srgb()[step])
                 << available_kernels().items[k]->name;
@@ -89,7 +90,12 @@ TEST(Kernels, BlendAddsTheWeightedDifferenceFromTheTile) {
         kernel.blend(runs.data(), runs.size());
         std::vector<std::uint8_t> rgba(std::size_t{width} * 4);
         std::vector<std::int32_t> encoded = sums;
-        kernel.encode_blended(encoded.data(), tile.data(), width, rgba.data());
+        // Two runs, and neither writes on
+        constexpr std::int32_t before = 19;
+        const Kernels::BlendedRun encodings[] = {
+            {encoded.data() + before * 4, tile.data() + before * 4, rgba.data() + before * 4, width - before},
+            {encoded.data(), tile.data(), rgba.data(), before}};
+        kernel.encode_blended(encodings, 2);
         ASSERT_EQ(std::count(encoded.begin(), encoded.begin() + width * 4, 0), width * 4) << kernel.name;
         for (std::size_t i = 0; i < std::size_t{width} * 4; ++i) {
             if (i % 4 == 3) {
