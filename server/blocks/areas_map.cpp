@@ -31,7 +31,7 @@ class MapOp final : public CellOp {
             done += run;
         }
     }
-    std::size_t memory_bytes() const noexcept override { return map_->values.size() * sizeof(std::int32_t); }
+    std::size_t memory_bytes() const noexcept override { return map_->values.memory_bytes(); }
 
   private:
     std::shared_ptr<const StoredMap> map_;

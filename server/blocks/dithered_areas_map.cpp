@@ -27,7 +27,7 @@ class DitherOp : public CellOp {
   public:
     DitherOp(std::shared_ptr<const StoredMap> map, Sampling sampling, std::uint64_t base)
         : map_{std::move(map)}, sampling_{sampling}, base_{base} {}
-    std::size_t memory_bytes() const noexcept override { return map_->values.size() * sizeof(std::int32_t); }
+    std::size_t memory_bytes() const noexcept override { return map_->values.memory_bytes(); }
 
   protected:
     Between between(std::int64_t x, std::int64_t y) const noexcept {

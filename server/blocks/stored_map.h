@@ -1,64 +1,13 @@
 #pragma once
 
 #include <algorithm>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <initializer_list>
-#include <memory>
-#include <mutex>
-#include <span>
 #include <vector>
 
+#include "server/blocks/map_values.h"
+
 namespace tessera {
-
-/// The entries of a map, row after row. Copies share them, and after a write all but those near it: a stroke
-/// of a brush costs what it paints, however large the map.
-class MapValues {
-  public:
-    MapValues() = default;
-    MapValues(const std::vector<std::int32_t>& values);  // NOLINT(google-explicit-constructor): a map is that
-    MapValues(std::initializer_list<std::int32_t> values) : MapValues{std::vector<std::int32_t>{values}} {}
-
-    std::size_t size() const noexcept { return size_; }
-    bool empty() const noexcept { return size_ == 0; }
-    std::int32_t operator[](std::size_t i) const noexcept {
-        return parts_[i >> part_log2]->values[i & (part_size - 1)];
-    }
-    void copy(std::size_t first, std::size_t count, std::int32_t* out) const noexcept;
-    /// As many as lie side by side, one span after the other.
-    template <class Visit>
-    void for_spans(const Visit& visit) const {
-        for (const auto& part : parts_) visit(std::span<const std::int32_t>{part->values});
-    }
-    /// The different ones, rising. Looked up once for all copies, part by part.
-    const std::vector<std::int32_t>& distinct() const;
-    bool operator==(const MapValues& other) const noexcept;
-    /// Whether both share every entry: equal, for sure, and told at once.
-    bool shares_all_with(const MapValues& other) const noexcept { return parts_ == other.parts_; }
-
-    /// Not while another thread copies this.
-    void set(std::size_t i, std::int32_t value);
-
-  private:
-    static constexpr int part_log2 = 14;
-    static constexpr std::size_t part_size = std::size_t{1} << part_log2;
-    /// What is looked up once, unless the values are written to.
-    struct Distinct {
-        std::once_flag once;
-        std::atomic<bool> known = false;
-        std::vector<std::int32_t> values;
-    };
-    struct Part {
-        explicit Part(std::span<const std::int32_t> those) : values(those.begin(), those.end()) {}
-        std::vector<std::int32_t> values;
-        Distinct distinct;
-    };
-
-    std::size_t size_ = 0;
-    std::vector<std::shared_ptr<Part>> parts_;
-    std::shared_ptr<Distinct> distinct_ = std::make_shared<Distinct>();
-};
 
 /// An explicit map: integers on a rectangle of cells, and what is outside it.
 struct StoredMap {
