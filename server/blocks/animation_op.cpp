@@ -72,6 +72,21 @@ AnimationOp::Followed AnimationOp::followed_at(Step step) const noexcept {
     return {setting, setting, settled.holds};
 }
 
+AnimationOp::Followed AnimationOp::looked_at(Step step) const noexcept {
+    const std::size_t change = change_at(changes_, step);
+    Followed looked{change, change, {}};
+    if (change < changes_.size()) looked.holds.until = changes_[change] + 1;
+    if (change == 0) return looked;
+    // The old cycle is over after one run, at the latest
+    const Step begun = changes_[change - 1], over = add_steps(begun, frames_->line.run());
+    if (step > over) {
+        looked.holds.from = over + 1;
+        return looked;
+    }
+    if (step == begun) return {change - 1, change - 1, {begun, begun + 1}};
+    return {change - 1, change, {begun + 1, std::min(over + 1, looked.holds.until)}};
+}
+
 void AnimationOp::run(const Stretch& stretch, const std::int32_t* const* in, std::int32_t* out) const {
     if (stretch.probe != nullptr) return answer(*stretch.probe, stretch, in, out);
     if (stretch.scattered != nullptr) return scatter(stretch, in, out);
@@ -200,6 +215,17 @@ Shown AnimationOp::shown_within(std::int64_t phase, std::span<const std::int64_t
                                 const Validity& within, Followed& followed) const noexcept {
     if (!followed.holds.holds(step)) followed = followed_at(step);
     return shown_in(ToldCycles{phase, rests}, step, within, followed);
+}
+
+bool AnimationOp::rests_within(std::int64_t phase, std::span<const std::int64_t> rests, Step step,
+                               const Validity& within, Followed& followed) const noexcept {
+    if (!followed.holds.holds(step)) followed = followed_at(step);
+    const auto& [first, last, holds] = followed;
+    if (holds.from > within.from || holds.until < within.until)
+        return rests_within(ToldCycles{phase, rests}, within);
+    const Cycle now{phase, rests[last]};
+    if (first == last) return rests_through(frames_->line, now, within);
+    return rests_through(frames_->line, {phase, rests[first]}, now, changes_[first], within);
 }
 
 /// Any step, of cells that know of all settings.

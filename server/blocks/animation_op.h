@@ -58,11 +58,18 @@ class AnimationOp final : public CellOp {
         Validity holds{};
     };
     Followed followed_at(Step step) const noexcept;
+    /// The settings, from the first to the last, of whose looks any cell shows one at `step`. A cell that
+    /// still waits for the new cycle to begin shows the first frame, which is among what it shows then.
+    Followed looked_at(Step step) const noexcept;
 
     /// What a cell shows at a step, right as far as it lies `within`, which holds then. `phase`: under all
     /// settings; `rests`: a·Z under each. `followed`: what was at the step asked for before, and what is now.
     Shown shown_within(std::int64_t phase, std::span<const std::int64_t> rests, Step step,
                        const Validity& within, Followed& followed) const noexcept;
+
+    /// Whether it is known to show the first frame in all steps `within`: told sooner.
+    bool rests_within(std::int64_t phase, std::span<const std::int64_t> rests, Step step,
+                      const Validity& within, Followed& followed) const noexcept;
 
   private:
     /// A cell's cycle under a setting: of what inputs give, or told.

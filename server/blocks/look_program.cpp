@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <bit>
+#include <functional>
 #include <numeric>
 
 #include "server/blocks/kernels.h"
@@ -129,14 +130,14 @@ class LookProgram final : public CellProgram {
                             const Validity& frames) const override {
         if (!running_) return frames;
         const bool only_patterns = seen.only_patterns();
-        return running_->through_shifts(
-            block, seen, frames,
-            [&](std::span<const CellAt> cells, std::span<Look> looks, std::span<Validity> validities) {
-                if ((only_patterns ? patterns_ : looks_).scatters())
-                    ask_scattered(block, cells, only_patterns, looks, validities);
-                else
-                    ask_each(block, cells, only_patterns, looks, validities);
-            });
+        const auto ask = [&](std::span<const CellAt> cells, std::span<Look> looks,
+                             std::span<Validity> validities) {
+            if ((only_patterns ? patterns_ : looks_).scatters())
+                ask_scattered(block, cells, only_patterns, looks, validities);
+            else
+                ask_each(block, cells, only_patterns, looks, validities);
+        };
+        return running_->through_shifts(block, seen, frames, std::cref(ask));  // By itself it were copied
     }
     Validity through_map(const CellBlock& block) const override {
         return running_ ? running_->through_map(block) : Validity{};

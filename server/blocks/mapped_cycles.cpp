@@ -85,14 +85,40 @@ MappedCycles::MappedCycles(const std::vector<CellNode>& nodes, std::size_t node,
     }
 }
 
-Shown MappedCycles::shown_within(const CellAt& cell, std::int64_t z, AnimationOp::Followed& followed) const {
+MappedCycles::Told MappedCycles::told_of(const CellAt& cell, RowKey key) const noexcept {
     const std::int32_t value =
         map_->entry((cell.x - map_->x) >> map_->cells_log2, (cell.y - map_->y) >> map_->cells_log2);
-    const RowKey key = row_key(base_, cell.x, cell.y, z);
     const auto in_part = static_cast<std::uint32_t>(cell.x & ((std::int64_t{1} << row_log2) - 1));
-    const std::uint32_t phase = cell_bits(in_part, key.first(), key.second()) >> phase_shift_;
     const std::int64_t* rests = rests_.data() + static_cast<std::size_t>(value - least_) * settings_;
-    return animation_->shown_within(phase, {rests, settings_}, cell.step, cell.within, followed);
+    return {cell_bits(in_part, key.first(), key.second()) >> phase_shift_, {rests, settings_}};
+}
+
+Shown MappedCycles::shown_within(const CellAt& cell, std::int64_t z, AnimationOp::Followed& followed) const {
+    const Told told = told_of(cell, row_key(base_, cell.x, cell.y, z));
+    return animation_->shown_within(told.phase, told.rests, cell.step, cell.within, followed);
+}
+
+MappedCycles::Rows::Rows() : keys_(rows) {}
+
+RowKey MappedCycles::key_of(const CellAt& cell, std::int64_t z, Rows& rows) const noexcept {
+    const std::int64_t part = cell.x >> row_log2;
+    auto& [known, y, of, key] = rows.keys_[static_cast<std::size_t>(cell.y) % Rows::rows];
+    if (!known || y != cell.y || of != part) {
+        known = true, y = cell.y, of = part;
+        key = row_key(base_, cell.x, cell.y, z);
+    }
+    return key;
+}
+
+std::size_t MappedCycles::leave_resting_out(std::span<CellAt> cells, std::int64_t z, Rows& rows,
+                                            AnimationOp::Followed& followed) const {
+    std::size_t left = 0;
+    for (const CellAt& cell : cells) {
+        const Told told = told_of(cell, key_of(cell, z, rows));
+        if (!animation_->rests_within(told.phase, told.rests, cell.step, cell.within, followed))
+            cells[left++] = cell;
+    }
+    return left;
 }
 
 }  // namespace tessera

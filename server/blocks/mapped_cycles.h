@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/blocks/cell_node.h"
+#include "server/blocks/row_hash.h"
 
 namespace tessera {
 
@@ -20,6 +21,26 @@ class MappedCycles {
     /// AnimationOp::shown_within().
     Shown shown_within(const CellAt& cell, std::int64_t z, AnimationOp::Followed& followed) const;
 
+    /// What was worked out for some rows of cells in one layer.
+    class Rows {
+      public:
+        Rows();
+
+      private:
+        friend class MappedCycles;
+        static constexpr std::size_t rows = 64;
+        struct Key {
+            bool known = false;
+            std::int64_t y = 0, part = 0;
+            RowKey key{};
+        };
+        std::vector<Key> keys_;
+    };
+    /// Leaves out those of some cells that are known to show their first frame throughout what is asked;
+    /// those left come first, as many as it returns.
+    std::size_t leave_resting_out(std::span<CellAt> cells, std::int64_t z, Rows& rows,
+                                  AnimationOp::Followed& followed) const;
+
     std::int32_t pattern_of(std::int32_t frame) const noexcept {
         return animation_->frames().patterns[static_cast<std::size_t>(frame)];
     }
@@ -27,6 +48,14 @@ class MappedCycles {
   private:
     MappedCycles(const std::vector<CellNode>& nodes, std::size_t node, std::size_t phase,
                  std::shared_ptr<const StoredMap> map);
+
+    /// Of a cell: its phase, and its rests under all settings.
+    struct Told {
+        std::uint32_t phase;
+        std::span<const std::int64_t> rests;
+    };
+    Told told_of(const CellAt& cell, RowKey key) const noexcept;
+    RowKey key_of(const CellAt& cell, std::int64_t z, Rows& rows) const noexcept;
 
     std::shared_ptr<const AnimationOp> animation_;
     std::shared_ptr<const StoredMap> map_;

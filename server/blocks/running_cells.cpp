@@ -30,9 +30,19 @@ class RunningCells::Cells final : public StandingCells {
             looks[i].pattern = cycles.pattern_of(is.frame);
         }
     }
+    bool sifts() const noexcept override { return of_.framed_.has_value(); }
+    std::size_t sift(std::span<CellAt> cells, const Look& look) const override {
+        if (!sifts() || cells.empty()) return cells.size();
+        const auto& [cycles, rest] = *of_.framed_;
+        Look resting = rest;
+        resting.pattern = cycles.pattern_of(0);
+        if (!same(resting, look)) return cells.size();
+        if (!rows_) rows_.emplace();
+        return cycles.leave_resting_out(cells, z_, *rows_, followed_);
+    }
     Still still_at(Step step, const Look& look) const override {
         if (of_.animation_ == nullptr || values_) return still_ever(look);
-        const AnimationOp::Followed followed = of_.animation_->followed_at(step);
+        const AnimationOp::Followed followed = of_.animation_->looked_at(step);
         return still(followed.first, followed.last, followed.holds, look);
     }
     Still still_ever(const Look& look) const override {
@@ -57,6 +67,8 @@ class RunningCells::Cells final : public StandingCells {
     }
 
     const RunningCells& of_;
+    mutable AnimationOp::Followed followed_{0, 0, {0, 0}};
+    mutable std::optional<MappedCycles::Rows> rows_;
     std::int64_t z_;
     bool values_, only_patterns_;
     const Ask& ask_;
@@ -165,7 +177,8 @@ Validity RunningCells::through_map(const CellBlock& block) const {
     const std::int64_t left = wide.x + place.shift;
     const StillRuns::Kind kind = kinds->runs->kind_at(left, wide.y);
     for (std::int64_t y = wide.y; y < wide.y + wide.height; ++y)
-        if (kinds->runs->right(kinds->runs->row_of(y), left, kind, wide.width).x != left + wide.width)
+        if (StillRuns::Walk{*kinds->runs, kinds->runs->row_of(y), kind, left, true}.next(wide.width).kind !=
+            kind)
             return place.validity;
     SeenCells seen{scroll_.cells};
     const std::int32_t value = kinds->looks[static_cast<std::size_t>(kind)].pattern;
@@ -176,9 +189,9 @@ Validity RunningCells::through_map(const CellBlock& block) const {
 
 std::size_t RunningCells::memory_bytes() const noexcept {
     if (!map_) return 0;
-    // A bit an entry: of two messages and both, and of values; and where its words are
+    // Two bits an entry: of two messages and both, and of values; and where its words are
     const auto entries = static_cast<std::size_t>(map_->width) * static_cast<std::size_t>(map_->height);
-    return entries / 2 + entries / 32 + static_cast<std::size_t>(map_->height) * 512;
+    return entries + entries / 32 + static_cast<std::size_t>(map_->height) * 512;
 }
 
 }  // namespace tessera

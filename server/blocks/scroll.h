@@ -20,6 +20,7 @@ struct Scroll {
 
     /// How often they ran on since step 0: the shift's number.
     constexpr std::int64_t shift_at(Step step) const noexcept {
+        if (steps == 1) return step;  // Every page asks, and a division takes long
         const auto every = static_cast<std::int64_t>(steps);
         return step / every - (step % every < 0 ? 1 : 0);
     }

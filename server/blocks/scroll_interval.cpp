@@ -7,6 +7,8 @@
 #include <numeric>
 #include <vector>
 
+#include "server/blocks/scroll_way.h"
+
 namespace tessera {
 
 namespace {
@@ -23,92 +25,19 @@ std::int64_t fewer_shifts(const CellBlock& block) noexcept {
 /// Where places show this and that.
 constexpr std::int64_t few_shifts = 16;
 
-/// Which shifts are looked at, and what changes first: on from a shift, to later steps or to earlier ones.
-/// Shifts are counted from there: number k lies k shifts on.
-class Way {
-  public:
-    Way(const Scroll& scroll, std::int64_t from, bool later, std::int64_t most) noexcept
-        : scroll_{scroll}, from_{from}, later_{later} {
-        // Ends lie half a span beside the multiples, so that step 0, where scenes begin, is no end
-        const auto floor = [&](std::int64_t number) {
-            const std::int64_t in = number % most;
-            return number - (in < 0 ? in + most : in);
-        };
-        const std::int64_t first = floor(from + most / 2) - most / 2;
-        last_ = later ? first + most - 1 - from : from - first;
-        end_ = later ? begin(last_ + 1) : begin(last_);
-    }
-
-    /// Of cells that come again after `shifts`: what does not change until then never does.
-    static Way around(const Scroll& scroll, std::int64_t from, bool later, std::int64_t shifts) noexcept {
-        Way way{scroll, from, later, 1};
-        way.last_ = shifts;
-        way.end_ = later ? never : always;
-        return way;
-    }
-
-    std::int64_t last() const noexcept { return last_; }  ///< Shift that is looked at.
-    /// Whether a multiple of `most`, a power of two, lies between shifts k − 1 and k: as those that end_ lies
-    /// at.
-    bool is_cut(std::int64_t k, std::int64_t most) const noexcept {
-        const std::int64_t number = from_ + on(k) + (later_ ? 0 : 1);
-        return ((number + most / 2) & (most - 1)) == 0;
-    }
-    /// The first step of the later one of shifts k − 1 and k, on either way.
-    Step between(std::int64_t k) const noexcept { return later_ ? enter(k) : leave(k - 1); }
-    std::int64_t shifted(std::int64_t k) const noexcept { return scroll_.shifted(from_ + on(k)); }
-    /// The step that is met first on the way through shift k, and the one that is met last.
-    Step enter(std::int64_t k) const noexcept { return later_ ? begin(k) : begin(k - 1) - 1; }
-    Step leave(std::int64_t k) const noexcept { return later_ ? begin(k + 1) - 1 : begin(k); }
-
-    /// What is stated: until when, or from when on, nothing changes.
-    Step end() const noexcept { return end_; }
-    /// At the way into `step` something else is shown than before.
-    void change_into(Step step) noexcept {
-        end_ = later_ ? std::min(end_, step) : std::max(end_, add_steps(step, 1));
-    }
-    bool ended_before(Step step) const noexcept { return later_ ? end_ <= step : end_ > step; }
-    /// The first step on the way that a frame, shown in `frames`, is not shown in any more.
-    Step after(const Validity& frames) const noexcept {
-        return later_ ? frames.until : add_steps(frames.from, -1);
-    }
-    bool is_beyond(Step step, std::int64_t k) const noexcept {
-        return later_ ? step == never || step > leave(k) : step == always || step < leave(k);
-    }
-    /// From `step` on, through shift k.
-    Validity within(Step step, std::int64_t k) const noexcept {
-        return later_ ? Validity{step, add_steps(leave(k), 1)} : Validity{leave(k), add_steps(step, 1)};
-    }
-    /// Whether the way into `step` is one from shift to shift.
-    bool is_shift(Step step) const noexcept {
-        return (later_ ? step : add_steps(step, 1)) % static_cast<std::int64_t>(scroll_.steps) == 0;
-    }
-    /// The shift that a step on the way lies in.
-    std::int64_t shift_of(Step step) const noexcept { return on(scroll_.shift_at(step) - from_); }
-    /// How far cells run to the left from shift to shift, on this way.
-    std::int64_t cells() const noexcept { return on(std::int64_t{scroll_.cells}); }
-
-  private:
-    std::int64_t on(std::int64_t k) const noexcept { return later_ ? k : -k; }
-    Step begin(std::int64_t k) const noexcept { return scroll_.begin_of(from_ + on(k)); }
-
-    const Scroll& scroll_;
-    std::int64_t from_;
-    bool later_;
-    std::int64_t last_ = 0;
-    Step end_ = 0;
-};
-
 /// Places that all show one look: what comes in is looked at, and how long it stays that look.
 class AlikeSearch {
   public:
-    AlikeSearch(const CellBlock& block, const Look& look, const StandingCells& cells, Way& way)
+    AlikeSearch(const CellBlock& block, const Look& look, const StandingCells& cells, ScrollWay& way)
         : block_{block},
           look_{look},
           cells_{cells},
           way_{way},
           by_{std::abs(way.cells())},
-          fewer_{fewer_shifts(block)} {}
+          width_shifts_{block.width / by_},
+          width_left_{block.width % by_},
+          fewer_{fewer_shifts(block)},
+          some_shifts_{way.is_later() ? 8 : 1} {}
 
     void run() {
         // Where cells come round to the first ones again, others stand beside each other: as far as that at a
@@ -119,7 +48,7 @@ class AlikeSearch {
                 way_.cells() > 0 ? static_cast<std::int64_t>(Scroll::again) - 1 - shifted : shifted;
             base_ = from;
             left_ = block_.x + shifted;
-            last_ = std::min(way_.last(), from + room / by_);
+            last_ = last_counted_ = std::min(way_.last(), from + room / by_);
             if (from > 0 && way_.is_cut(from, fewer_) &&
                 cells_.still_at(way_.between(from), look_).kind == StillRuns::other)
                 return way_.change_into(way_.enter(from));
@@ -144,10 +73,33 @@ class AlikeSearch {
         last_ = std::max(from, last);
     }
 
+    /// Whether the same cells are known to stand still from shift last_ + 1 on, and not only up to that one:
+    /// then they are looked at together.
+    bool goes_on_alike() {
+        if (still_.kind == StillRuns::other || last_ >= last_counted_) return false;
+        const StandingCells::Still next = cells_.still_at(way_.enter(last_ + 1), look_);
+        if (next.runs != still_.runs || next.kind != still_.kind) return false;
+        const Step end = way_.after(next.holds);
+        const std::int64_t last = way_.is_beyond(end, last_counted_) ? last_counted_ : way_.shift_of(end) - 1;
+        if (last <= last_) return false;
+        last_ = last;
+        return true;
+    }
+
     /// Cells are counted from the one that leaves first, at shift base_: cell number n is there at shift k if
     /// 0 ≤ n − (k − base_)·by_ < width.
     std::int64_t x_of(std::int64_t number) const noexcept {
         return way_.cells() > 0 ? left_ + number : left_ + block_.width - 1 - number;
+    }
+
+    /// The shifts in which a cell is there, of those that are looked at.
+    struct Stay {
+        std::int64_t comes, goes;
+    };
+    Stay stay_of(std::int64_t number) const noexcept {
+        const std::int64_t shift = number / by_;
+        const std::int64_t comes = shift - width_shifts_ + (number - shift * by_ >= width_left_ ? 1 : 0);
+        return {std::max(first_, base_ + comes), std::min(last_, base_ + shift)};
     }
 
     void search_from(std::int64_t first) {
@@ -156,75 +108,88 @@ class AlikeSearch {
         rows_.assign(static_cast<std::size_t>(block_.height), {.next = begin});
         if (still_.kind != StillRuns::other)
             for (std::size_t row = 0; row < rows_.size(); ++row)
-                rows_[row].entries = still_.runs->row_of(block_.y + static_cast<std::int64_t>(row));
-        // Nearly always something changes soon
-        std::int64_t some = 1;
-        for (std::int64_t k = first; k <= last_; some *= 2) {
-            const std::int64_t to = std::min(last_, k + some - 1);
+                rows_[row].entries = {*still_.runs,
+                                      still_.runs->row_of(block_.y + static_cast<std::int64_t>(row)),
+                                      still_.kind, x_of(begin), way_.cells() > 0};
+        for (std::int64_t k = first; k <= last_;) {
+            while (k + some_shifts_ + width_shifts_ >= last_ && goes_on_alike()) continue;
+            const std::int64_t to = std::min(last_, k + some_shifts_ - 1);
             found_ = 0;
             find((to - base_) * by_ + block_.width);
             ask();
             if (way_.ended_before(way_.leave(to))) return;
             k = to + 1;
-            if (found_ >= enough_found) some = std::max<std::int64_t>(some / 2, 1);
+            // Who asks at the first step of an interval finds its end at once, on the way back
+            if (found_ < enough_found) some_shifts_ *= 2;
         }
     }
 
     /// How far a row was looked through: up to its cell number `next`.
     struct RowPlace {
         std::int64_t next = 0;
-        bool found = false;    ///< That one may show something else, …
-        bool certain = false;  ///< … or does.
-        StillRuns::Row entries{};
+        StillRuns::Walk entries{};
     };
-    /// On to the next that may.
-    void look_on(RowPlace& place, std::int64_t end) const {
-        place.found = true;
-        if (still_.kind == StillRuns::other) return;
-        // A few words of bits: further than is asked for now, so that they need not be read again
-        constexpr std::int64_t cells_at_least = 1024;
-        const std::int64_t most = std::max(end - place.next, cells_at_least), x = x_of(place.next);
-        const StillRuns::Found found = way_.cells() > 0
-                                           ? still_.runs->right(place.entries, x, still_.kind, most)
-                                           : still_.runs->left(place.entries, x, still_.kind, most);
-        place.next += std::abs(found.x - x);
-        place.found = found.kind != still_.kind;
-        place.certain = found.kind != StillRuns::other;
+    std::int64_t number_of(std::int64_t x) const noexcept {
+        return way_.cells() > 0 ? x - left_ : left_ + block_.width - 1 - x;
+    }
+    /// Of cells before number `end` the next that may show something else, and whether they do: their
+    /// numbers, in the order of these.
+    struct Next {
+        std::size_t count = 0;
+        bool certain = false;
+    };
+    Next look_on(RowPlace& place, std::int64_t end, std::span<std::int64_t> numbers) const {
+        if (still_.kind == StillRuns::other) {
+            const std::int64_t count = std::min(std::ssize(numbers), end - place.next);
+            std::iota(numbers.begin(), numbers.begin() + count, place.next);
+            place.next += count;
+            return {static_cast<std::size_t>(count)};
+        }
+        StillRuns::Walk& entries = place.entries;
+        const std::size_t count = entries.next_others(end - place.next, numbers);
+        place.next = number_of(entries.x());
+        for (std::int64_t& number : numbers.first(count)) number = number_of(number);
+        if (count > 0 || place.next >= end) return {count};
+        const StillRuns::Found found = entries.next(end - place.next);
+        place.next = number_of(entries.x());
+        numbers.front() = number_of(found.x);
+        return {found.kind == still_.kind ? 0u : 1u, found.kind != StillRuns::other};
     }
 
     /// Asks for cells before number `end` that may show something else.
     void find(std::int64_t end) {
-        for (std::size_t row = 0; row < rows_.size(); ++row) {
-            RowPlace& place = rows_[row];
-            const std::int64_t y = block_.y + static_cast<std::int64_t>(row);
-            while (place.next < end) {
-                if (!place.found) {
-                    look_on(place, end);
-                    continue;
-                }
-                const std::int64_t number = place.next;
-                const std::int64_t comes = std::max(first_, base_ + (number - block_.width + by_) / by_);
-                const std::int64_t goes = std::min(last_, base_ + number / by_);
-                const Step step = way_.enter(comes);
-                if (comes <= goes && way_.ended_before(step)) break;  // So do those after it
-                ++place.next;
-                place.found = false;
-                if (comes > goes) {
-                    // Between where two shifts put the block
-                    place.next += by_ - number % by_ - 1;
-                    continue;
-                }
-                const std::int64_t x = x_of(number);
-                if (place.certain) {
-                    way_.change_into(step);
-                    break;
-                }
-                ++found_;
-                asked_.push_back({x, y, step, way_.within(step, goes)});
-                goes_.push_back(goes);
-                if (asked_.size() == most_asked) ask();
+        for (std::size_t row = 0; row < rows_.size(); ++row)
+            while (rows_[row].next < end)
+                find_some(rows_[row], block_.y + static_cast<std::int64_t>(row), end);
+    }
+    void find_some(RowPlace& place, std::int64_t y, std::int64_t end) {
+        std::array<std::int64_t, some_cells> numbers;
+        const Next next = look_on(place, end, numbers);
+        std::size_t count = 0;
+        for (const std::int64_t number : std::span{numbers}.first(next.count)) {
+            const auto [comes, goes] = stay_of(number);
+            if (comes > goes) {
+                // Between where two shifts put the block
+                const std::int64_t there = number - number % by_ + by_;
+                if (place.next >= there) continue;
+                place.entries.skip(there - place.next);
+                place.next = there;
+                continue;
             }
+            const Step step = way_.enter(comes);
+            const bool ended = way_.ended_before(step);
+            if (next.certain && !ended) way_.change_into(step);
+            if (next.certain || ended) {
+                place.next = end;  // So do those after it
+                break;
+            }
+            some_[count++] = {x_of(number), y, step, way_.within(step, goes)};
         }
+        count = cells_.sift(std::span{some_}.first(count), look_);
+        asked_.insert(asked_.end(), some_.begin(), some_.begin() + static_cast<std::ptrdiff_t>(count));
+        found_ += static_cast<int>(count);
+        // What may not rest nearly always changes: that spares looking further
+        if (asked_.size() >= (cells_.sifts() ? 1 : most_asked)) ask();
     }
 
     void ask() {
@@ -239,34 +204,36 @@ class AlikeSearch {
                     continue;
                 }
                 const Step next = way_.after(frames_[i]);
-                if (way_.is_beyond(next, goes_[i]) || way_.ended_before(next)) continue;
+                const std::int64_t goes = stay_of(number_of(asked_[i].x)).goes;
+                if (way_.is_beyond(next, goes) || way_.ended_before(next)) continue;
                 if (!way_.is_shift(next)) {
                     way_.change_into(next);
                     continue;
                 }
                 // Another frame, but where cells are compared by what they show
-                asked_[again] = {asked_[i].x, asked_[i].y, next, asked_[i].within};
-                goes_[again++] = goes_[i];
+                asked_[again++] = {asked_[i].x, asked_[i].y, next, asked_[i].within};
             }
             asked_.resize(again);
-            goes_.resize(again);
         }
     }
 
+    static constexpr std::size_t some_cells = 32;  ///< Of a row, that are looked for at once.
     static constexpr std::size_t most_asked = 32;  ///< At once: what is found spares asking others.
     static constexpr int enough_found = 12;        ///< Among some shifts, that more of them are too many.
 
     const CellBlock& block_;
     const Look& look_;
     const StandingCells& cells_;
-    Way& way_;
+    ScrollWay& way_;
     StandingCells::Still still_;
-    std::int64_t by_, fewer_;
-    std::int64_t base_ = 0, left_ = 0, first_ = 1, last_ = 0;
+    std::int64_t by_, width_shifts_, width_left_, fewer_;
+    std::int64_t base_ = 0, left_ = 0, first_ = 1, last_ = 0,
+                 last_counted_ = 0;  ///< As far as cells are counted from the same one.
     std::vector<RowPlace> rows_;
+    std::int64_t some_shifts_;  ///< That are looked at next.
     int found_ = 0;
     std::vector<CellAt> asked_;
-    std::vector<std::int64_t> goes_;  ///< The last shift at which each is there.
+    std::array<CellAt, some_cells> some_;
     std::vector<Look> looks_;
     std::vector<Validity> frames_;
 };
@@ -275,7 +242,7 @@ class AlikeSearch {
 class MixedSearch {
   public:
     MixedSearch(const CellBlock& block, const SeenCells& seen, const Validity& frames,
-                const StandingCells& cells, Way& way)
+                const StandingCells& cells, ScrollWay& way)
         : block_{block}, seen_{seen}, frames_{frames}, cells_{cells}, way_{way} {}
 
     void run() {
@@ -334,7 +301,7 @@ class MixedSearch {
     const SeenCells& seen_;
     const Validity& frames_;
     const StandingCells& cells_;
-    Way& way_;
+    ScrollWay& way_;
 };
 
 /// Whether nothing else ever comes into the block's rows.
@@ -386,7 +353,8 @@ Validity scroll_interval(const Scroll& scroll, const CellBlock& block, const See
     const std::int64_t round = seen.alike() ? 0 : shifts_again(scroll, cells);
     const auto reach = [&](bool later) {
         const std::int64_t most = seen.alike() ? most_shifts(block) : few_shifts;
-        Way way = round > 0 ? Way::around(scroll, shift, later, round) : Way{scroll, shift, later, most};
+        ScrollWay way = round > 0 ? ScrollWay::around(scroll, shift, later, round)
+                                  : ScrollWay{scroll, shift, later, most};
         if (seen.alike())
             AlikeSearch{block, seen.look(), cells, way}.run();
         else

@@ -23,6 +23,11 @@ class StandingCells {
     /// long.
     virtual void ask(std::span<const CellAt> cells, std::span<Look> looks,
                      std::span<Validity> frames) const = 0;
+    /// Leaves out those of a row's cells that are known to show `look`, and no other, in all steps that they
+    /// are asked for; those that are left come first, as many as it returns. Sooner told than ask(). Only
+    /// where sifts(): else all are left.
+    virtual bool sifts() const noexcept { return false; }
+    virtual std::size_t sift(std::span<CellAt> cells, const Look&) const { return cells.size(); }
     /// Cells that show one look and no other in the steps that it holds are of one kind.
     struct Still {
         std::shared_ptr<const StillRuns> runs;    ///< Null where nothing is known.

@@ -92,6 +92,8 @@ bool rests_through(const TimeLine& line, const Cycle& cycle, const Validity& ste
 
 bool rests_through(const TimeLine& line, const Cycle& from, const Cycle& to, Step at,
                    const Validity& steps) noexcept {
+    // Nearly always: the old cycle is over after a run, at the latest, and the new one has not begun to run
+    if (steps.from > add_steps(at, line.run()) && rests_through(line, to, {at, steps.until})) return true;
     const Passage passed = passage(line, from, to, at);
     // Unless it rests at the change, the old cycle runs on
     if (steps.from < passed.old_until && passed.old_until != add_steps(at, 1)) return false;

@@ -1,12 +1,14 @@
 // What it costs to tell in which steps a page stays the same, against the page's evaluation, one core.
 //   build/release/bin/validity_bench [PART OF A ROW'S NAME]
 // prints the median time of a page of codes at each level, of telling its interval, and that in percent of
-// the page. Returns 1 if it is more than 5 percent anywhere. Of the message board, which scrolls, everything
-// that an interval costs is counted, frames and shifts, by a plan of its own that knows no more than a page
-// does: "played" is a window of eight pages by one over the steps, each page once for each of its intervals,
-// as a server does; "alone" are pages far from each other in place and time. Dark pages of it stay for a
-// hundred steps, and every cell that crosses them meanwhile is asked: one such interval takes as long as a
-// page or two, and spares as many pages as it has steps.
+// the page; then in percent of all pages that the interval stands for, which is one in each of its steps: for
+// whatever may change in any of those is looked at, so that an interval of a hundred steps takes longer than
+// one of a step, and spares a hundred pages. Returns 1 if an interval takes more than 5 percent of the page
+// anywhere.
+// Of the message board, which scrolls, everything that an interval costs is counted, frames and shifts, by a
+// plan of its own that knows no more than a page does: "played" is a window of eight pages by one over the
+// steps, each page once for each of its intervals, as a server does; "alone" are pages far from each other in
+// place and time.
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -107,8 +109,22 @@ double median_of(const Run& run) {
 
 Step any_step(int page) { return 1000 + 7 * page; }
 
-const char* kind_of(const Validity& validity) {
-    return validity.is_static() ? "static" : validity.until - validity.from == 1 ? "a step" : "some steps";
+/// How many pages an interval stands for, at most so many: who plays asks for one in each of its steps.
+double steps_of(const Validity& validity) {
+    constexpr double most = 1000;
+    if (validity.is_static() || validity.from == always || validity.until == never) return most;
+    return std::min(most, static_cast<double>(validity.until - validity.from));
+}
+
+/// What intervals took, of pages that took so long; they stood for `steps` of these on average. Returns
+/// whether that keeps the limit.
+bool print_row(const char* name, int level, double page, double interval, double steps) {
+    const double percent = 100 * std::max(0.0, interval) / page;
+    std::printf(
+        "%-16s level %d  page %8.1f us  interval %7.2f us  %5.2f %% of the page, %4.2f %% of the %.1f that "
+        "it stands for\n",
+        name, level, page, interval, percent, percent / steps, steps);
+    return percent <= most_percent;
 }
 
 /// Cells that the clock drives. Returns whether it keeps the limit.
@@ -119,11 +135,11 @@ bool measure(const char* name, const std::string& animation) {
     bool kept = true;
     for (const std::uint8_t level : {std::uint8_t{0}, std::uint8_t{2}, std::uint8_t{4}, std::uint8_t{6}}) {
         Rgba8Image out;
-        Validity validity;
+        double steps = 0;
         const double page = median_of([&](int i) {
             TexelRegion region = region_of({level, static_cast<std::uint32_t>(i), 3});
             region.step = any_step(i);
-            validity = texture->evaluate(region, Budget{}, out)->validity;
+            steps += steps_of(texture->evaluate(region, Budget{}, out)->validity) / runs;
         });
         const int side_log2 = 8 + level - 4;  // log2 of the cells along a page
         std::vector<std::int32_t> patterns(std::size_t{1} << side_log2);
@@ -144,10 +160,7 @@ bool measure(const char* name, const std::string& animation) {
         };
         const double without = median_of([&](int i) { decide(i, false); });
         const double with = median_of([&](int i) { decide(i, true); });
-        const double percent = 100 * std::max(0.0, with - without) / page;
-        kept &= percent <= most_percent;
-        std::printf("%-16s level %d  page %8.1f us  interval %7.2f us  %5.2f %% of the page  %s\n", name,
-                    int{level}, page, with - without, percent, kind_of(validity));
+        kept &= print_row(name, int{level}, page, with - without, steps);
     }
     return kept;
 }
@@ -183,11 +196,11 @@ bool measure_targets(const char* name, int count, std::uint32_t steps, double ah
         const auto texture = make_targeted_texture(pattern, plan, targets);
         const TargetDistance distances{law.frames->line, law.near, law.far, targets};
         Rgba8Image out;
-        Validity validity;
+        double steps_stood_for = 0;
         const double page = median_of([&](int i) {
             TexelRegion region = region_of({level, static_cast<std::uint32_t>(i), 3});
             region.step = step_of(i);
-            validity = texture->evaluate(region, Budget{}, out)->validity;
+            steps_stood_for += steps_of(texture->evaluate(region, Budget{}, out)->validity) / runs;
         });
         // One takes less than it takes to read the clock
         constexpr int times = 16;
@@ -203,10 +216,7 @@ bool measure_targets(const char* name, int count, std::uint32_t steps, double ah
                 }
             }) /
             times;
-        const double percent = 100 * interval / page;
-        kept &= percent <= most_percent;
-        std::printf("%-16s level %d  page %8.1f us  interval %7.2f us  %5.2f %% of the page  %s\n", name,
-                    int{level}, page, interval, percent, kind_of(validity));
+        kept &= print_row(name, int{level}, page, interval, steps_stood_for);
     }
     return kept;
 }
@@ -219,9 +229,12 @@ class MessageBoard {
     /// What a page, and its interval alone, took so far. Both know the same of the board: intervals are told
     /// by a plan of their own, which has met the same pages and no others.
     struct Times {
-        double pages = 0, intervals = 0;
+        double pages = 0, intervals = 0, steps = 0;
         std::size_t count = 0;
-        double percent() const { return 100 * intervals / pages; }
+        bool print(const char* name, int level) const {
+            const auto all = static_cast<double>(count);
+            return print_row(name, level, pages / all, intervals / all, steps / all);
+        }
     };
     Validity page(std::uint8_t level, std::int64_t x, std::int64_t y, Step step, Times& times) {
         TexelRegion region = region_of({level, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y)});
@@ -263,6 +276,7 @@ class MessageBoard {
         const Validity again = watch.interval();
         told += microseconds_since(last);
         times.intervals += told;
+        times.steps += steps_of(valid);
         if (again != valid) std::abort();
         ++times.count;
         return valid;
@@ -317,12 +331,9 @@ bool measure_board_played(const char* name) {
                         valid[i] = board.page(level, (board_left >> side_log2) + static_cast<std::int64_t>(i),
                                               row >> side_log2, step, times);
         }
-        kept &= times.percent() <= most_percent;
-        const auto count = static_cast<double>(times.count);
-        std::printf(
-            "%-16s level %d  page %8.1f us  interval %7.2f us  %5.2f %% of the page  %zu of %zu steps\n",
-            name, int{level}, times.pages / count, times.intervals / count, times.percent(), times.count,
-            board_rows.size() * wide * static_cast<std::size_t>(steps));
+        // Of those that are begun or ended beyond what is played, only what is played
+        times.steps = static_cast<double>(board_rows.size()) * static_cast<double>(wide * steps);
+        kept &= times.print(name, int{level});
     }
     return kept;
 }
@@ -341,10 +352,7 @@ bool measure_board_alone(const char* name) {
                 board.page(level, (board_left + 800 * i) >> side_log2, row >> side_log2, 7919 * i,
                            i == 0 ? first : times);
             }
-        const auto count = static_cast<double>(times.count);
-        std::printf("%-16s level %d  page %8.1f us  interval %7.2f us  %5.2f %% of the page\n", name,
-                    int{level}, times.pages / count, times.intervals / count, times.percent());
-        kept &= times.percent() <= most_percent;
+        kept &= times.print(name, int{level});
     }
     return kept;
 }

@@ -47,8 +47,11 @@ Board random_board(Dice& dice) {
         frames += std::string{i > 0 ? "," : ""} + R"({"pattern": )" + std::to_string(i == dark ? -1 : i) +
                   R"(, "steps": )" + std::to_string(dice(3) == 0 ? dice.from(2, 12) : 1) + "}";
     // Mostly one value, in some rows no other
-    const std::int64_t width = dice(2) == 0 ? dice.from(8, 120) : std::int64_t{1} << dice.from(3, 6),
-                       height = dice.from(1, 12), rare = dice.from(2, 60);
+    const bool wide = dice(8) == 0;  // So that what is known of a row is known in parts
+    const std::int64_t width = wide           ? dice.from(900, 2300)
+                               : dice(2) == 0 ? dice.from(8, 120)
+                                              : std::int64_t{1} << dice.from(3, 6),
+                       height = dice.from(1, wide ? 3 : 12), rare = dice.from(2, wide ? 1000 : 60);
     std::string entries;
     for (std::int64_t i = 0; i < width * height; ++i)
         entries += std::string{i > 0 ? "," : ""} +
