@@ -117,6 +117,16 @@ double PlaneView::level_at(double pixel_x, double pixel_y) const {
     return std::log2(std::max(side(0), side(1)));
 }
 
+GroundPoint texel_at(const FlatPiece& piece, const PlaneView& view, const Vector3& point) {
+    // The point's place in the picture times its depth: w is 1 there
+    const double x = dot(point, view.right()) / view.pixel_step(),
+                 y = -dot(point, view.up()) / view.pixel_step(), depth = dot(point, view.forward());
+    const auto along = [&](const std::array<double, 3>& row) {
+        return row[0] * x + row[1] * y + row[2] * depth;
+    };
+    return {along(piece.s), along(piece.t)};
+}
+
 bool PlaneView::is_same(const PlaneView& other) const {
     return camera_ == other.camera_ && width_ == other.width_ && height_ == other.height_ &&
            surface_ == other.surface_ && first_column_ == other.first_column_ &&

@@ -84,4 +84,7 @@ class PlaneView {
     std::shared_ptr<const std::vector<FlatPiece>> pieces_;
 };
 
+/// Which texel a point of the piece's plane has; `point` from the eye, anywhere on the plane.
+GroundPoint texel_at(const FlatPiece& piece, const PlaneView& view, const Vector3& point);
+
 }  // namespace tessera

@@ -24,10 +24,9 @@ class HandInput {
 
     /// Whether the left button drags something, so that it does not move the camera.
     bool has_mouse() const { return has_mouse_; }
-    /// Whether keys without Ctrl that the camera has, too, are the hand's now: arrows, R, 1 to 9, Escape.
-    bool has_keys() const { return desk_.is_open; }
-    /// Whether Escape was used here in this frame.
-    bool took_escape() const { return took_escape_; }
+    /// Whether keys without Ctrl that the camera has, too, are the hand's now: arrows, R, 1 to 9, Escape,
+    /// also the one that has closed the editor in this frame.
+    bool has_keys() const { return desk_.is_open || took_escape_; }
 
   private:
     void keys(double texels_per_pixel);

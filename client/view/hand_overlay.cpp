@@ -12,6 +12,12 @@ constexpr ImU32 amber = IM_COL32(242, 195, 119, 255), shadow = IM_COL32(10, 12, 
                 white = IM_COL32(255, 255, 255, 215), handle_fill = IM_COL32(255, 250, 240, 255),
                 handle_rim = IM_COL32(201, 138, 43, 255);
 
+/// A line on a bent surface is looked at this often at least, and from there on halved so often where two
+/// looks are not enough: in ImGui's units, it may be this far off.
+constexpr double step_texels = 32, most_steps = 48;
+constexpr int most_halvings = 7;
+constexpr float most_bend = 0.25F;
+
 ImU32 colour_of(const HandDesk::Person& person, float alpha = 1) {
     return ImGui::ColorConvertFloat4ToU32({person.red, person.green, person.blue, alpha});
 }
@@ -26,42 +32,112 @@ ImVec4 value_colour(int value) {
 }
 
 std::optional<ImVec2> HandOverlay::place(const HandPoint& at, const HandOffset& away) const {
-    const auto pixel = picture_.pixel_of(at, away);
+    const auto pixel = picture_.pixel_of(at, away, sheet_);
     if (!pixel || std::abs(pixel->x) > 1e5 || std::abs(pixel->y) > 1e5) return std::nullopt;
     return ImVec2{static_cast<float>(pixel->x) / unit_, static_cast<float>(pixel->y) / unit_};
 }
 
 bool HandOverlay::trace(const HandPoint& middle, std::span<const HandOffset> corners) {
-    line_.clear();
-    for (const HandOffset& corner : corners) {
-        const auto at = place(middle, corner);
-        if (!at) return false;
-        line_.push_back(*at);
+    lines_.clear();
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        const HandOffset &from = corners[i], &to = corners[(i + 1) % corners.size()];
+        const double length = std::hypot(to.x - from.x, to.y - from.y);
+        const auto steps =
+            picture_.is_plane()
+                ? 1
+                : static_cast<int>(std::clamp(std::ceil(length / step_texels), 1.0, most_steps));
+        std::vector<HandOffset> way{from};
+        for (int step = 1; step <= steps; ++step) {
+            const double share = static_cast<double>(step) / steps;
+            way.push_back({std::lerp(from.x, to.x, share), std::lerp(from.y, to.y, share)});
+        }
+        follow(middle, way, i > 0);
+    }
+    std::erase_if(lines_, [](const Line& line) { return line.points.size() < 2; });
+    if (lines_.empty()) return false;
+    // Where the beginning is seen, it is the end too
+    Line &first = lines_.front(), &last = lines_.back();
+    const ImVec2 begin = first.points.front(), end = last.points.back();
+    if (std::hypot(begin.x - end.x, begin.y - end.y) > 0.01F) return true;
+    last.points.pop_back();
+    if (lines_.size() == 1) {
+        last.is_closed = true;
+    } else {
+        last.points.insert(last.points.end(), first.points.begin(), first.points.end());
+        lines_.erase(lines_.begin());
     }
     return true;
 }
 
-/// Over a darker, wider one, so that it is seen on any ground.
-void HandOverlay::stroke(ImU32 colour, float width, bool dashed) {
-    const auto count = static_cast<int>(line_.size());
-    list_.AddPolyline(line_.data(), count, shadow, ImDrawFlags_Closed, (width + 2) * scale_);
-    if (!dashed) {
-        list_.AddPolyline(line_.data(), count, colour, ImDrawFlags_Closed, width * scale_);
+void HandOverlay::follow(const HandPoint& middle, std::span<const HandOffset> way, bool goes_on) {
+    Place before{way[0], place(middle, way[0])};
+    if (before.seen && !(goes_on && !lines_.empty() && lines_.back().is_open)) begin_line(*before.seen);
+    for (const HandOffset& away : way.subspan(1)) {
+        const Place next{away, place(middle, away)};
+        go_on(middle, before, next, most_halvings);
+        before = next;
+    }
+}
+
+void HandOverlay::begin_line(const ImVec2& at) {
+    lines_.emplace_back().points.push_back(at);
+    lines_.back().is_open = true;
+}
+
+/// Halved where the surface bends, and where what is seen ends.
+void HandOverlay::go_on(const HandPoint& middle, const Place& from, const Place& to, int halvings) {
+    const HandOffset half{(from.away.x + to.away.x) / 2, (from.away.y + to.away.y) / 2};
+    const Place between{half, place(middle, half)};
+    const auto is_straight = [&] {
+        if (!from.seen || !to.seen || !between.seen) return !from.seen && !to.seen && !between.seen;
+        const ImVec2 a = *from.seen, b = *to.seen, c = *between.seen;
+        const float x = b.x - a.x, y = b.y - a.y, length = std::hypot(x, y);
+        return std::abs(x * (c.y - a.y) - y * (c.x - a.x)) <= most_bend * std::max(length, 1.0F);
+    };
+    if (halvings > 0 && !is_straight()) {
+        go_on(middle, from, between, halvings - 1);
+        go_on(middle, between, to, halvings - 1);
         return;
     }
-    const float dash = 5 * scale_, gap = 4 * scale_;
-    for (int i = 0; i < count; ++i) {
-        const ImVec2 a = line_[static_cast<std::size_t>(i)],
-                     b = line_[static_cast<std::size_t>((i + 1) % count)];
-        const float length = std::hypot(b.x - a.x, b.y - a.y);
-        for (float at = 0; at < std::min(length, 4000.0F); at += dash + gap) {
-            const float end = std::min(at + dash, length);
-            const auto on = [&](float share) {
-                return ImVec2{a.x + (b.x - a.x) * share / length, a.y + (b.y - a.y) * share / length};
-            };
-            list_.AddLine(on(at), on(end), colour, width * scale_);
+    if (to.seen && from.seen) lines_.back().points.push_back(*to.seen);
+    if (to.seen && !from.seen) begin_line(*to.seen);
+    if (!to.seen && !lines_.empty()) lines_.back().is_open = false;
+}
+
+/// Over a darker, wider one, so that it is seen on any ground.
+void HandOverlay::stroke(ImU32 colour, float width, bool dashed) {
+    for (const Line& line : lines_) {
+        const auto count = static_cast<int>(line.points.size());
+        const ImDrawFlags flags = line.is_closed ? ImDrawFlags_Closed : ImDrawFlags_None;
+        list_.AddPolyline(line.points.data(), count, shadow, flags, (width + 2) * scale_);
+        if (!dashed) {
+            list_.AddPolyline(line.points.data(), count, colour, flags, width * scale_);
+            continue;
         }
+        float way = 0;  // along the line, so that dashes go on over its corners
+        for (std::size_t i = 0; i + (line.is_closed ? 0 : 1) < line.points.size(); ++i)
+            way = dashes(line.points[i], line.points[(i + 1) % line.points.size()], way, colour, width);
     }
+}
+
+float HandOverlay::dashes(const ImVec2& a, const ImVec2& b, float way, ImU32 colour, float width) {
+    const float dash = 5 * scale_, period = 9 * scale_, length = std::hypot(b.x - a.x, b.y - a.y);
+    const float phase = std::fmod(way, period);
+    for (float at = -phase; at < std::min(length, 4000.0F); at += period) {
+        const float first = std::max(at, 0.0F), end = std::min(at + dash, length);
+        const auto on = [&](float share) {
+            return ImVec2{a.x + (b.x - a.x) * share / length, a.y + (b.y - a.y) * share / length};
+        };
+        if (first < end) list_.AddLine(on(first), on(end), colour, width * scale_);
+    }
+    return std::fmod(way + length, period);
+}
+
+/// Hills would hide parts of it: there, the line alone says what is meant.
+void HandOverlay::fill(ImU32 colour) {
+    if (!picture_.is_plane()) return;
+    for (const Line& line : lines_)
+        list_.AddConvexPolyFilled(line.points.data(), static_cast<int>(line.points.size()), colour);
 }
 
 void HandOverlay::outline(const HandSprite& sprite, ImU32 colour, float width, bool dashed) {
@@ -83,7 +159,7 @@ void HandOverlay::selection(const HandDesk& desk) {
         const double x = static_cast<double>(box->x1 - box->x0), y = static_cast<double>(box->y1 - box->y0);
         const std::array<HandOffset, 4> corners{{{0, 0}, {x, 0}, {x, y}, {0, y}}};
         if (trace(middle, corners)) {
-            list_.AddConvexPolyFilled(line_.data(), 4, IM_COL32(242, 195, 119, 36));
+            fill(IM_COL32(242, 195, 119, 36));
             stroke(amber, 1.25F);
         }
     }
@@ -128,15 +204,11 @@ void HandOverlay::border(const TexelBox& box) {
         }
         marks.insert(marks.begin(), 0);
         marks.push_back(length);
-        std::optional<ImVec2> last;
-        for (const double mark : marks) {
-            const auto at = place(from, is_along_x ? HandOffset{mark, 0} : HandOffset{0, mark});
-            if (last && at) {
-                list_.AddLine(*last, *at, shadow, 4.5F * scale_);
-                list_.AddLine(*last, *at, amber, 2 * scale_);
-            }
-            last = at;
-        }
+        std::vector<HandOffset> way;
+        for (const double mark : marks) way.push_back(is_along_x ? HandOffset{mark, 0} : HandOffset{0, mark});
+        lines_.clear();
+        follow(from, way, false);
+        stroke(amber, 2);
     };
     side(low, {high.x, low.y});
     side({low.x, high.y}, high);
@@ -157,8 +229,7 @@ void HandOverlay::brush(HandDesk& desk) {
     }
     if (!trace(*desk.cursor(), circle)) return;
     const ImVec4 hue = value_colour(desk.brush()->value);
-    list_.AddConvexPolyFilled(line_.data(), corners,
-                              ImGui::ColorConvertFloat4ToU32({hue.x, hue.y, hue.z, 0.22F}));
+    fill(ImGui::ColorConvertFloat4ToU32({hue.x, hue.y, hue.z, 0.22F}));
     stroke(ImGui::ColorConvertFloat4ToU32(hue), 2);
 }
 

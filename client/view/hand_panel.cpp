@@ -364,13 +364,15 @@ void HandPanel::others_news(float scale, float from_below) {
 }
 
 void HandPanel::on_picture(const HandPicture& picture, float scale, float pixels_per_unit) {
-    HandOverlay overlay{*ImGui::GetBackgroundDrawList(), picture, scale, pixels_per_unit};
-    if (desk_.is_open) {
-        overlay.brush(desk_);
-        overlay.targets(desk_);
-        overlay.selection(desk_);
+    for (int sheet = 0; sheet < picture.sheets(); ++sheet) {
+        HandOverlay overlay{*ImGui::GetBackgroundDrawList(), picture, scale, pixels_per_unit, sheet};
+        if (desk_.is_open) {
+            overlay.brush(desk_);
+            overlay.targets(desk_);
+            overlay.selection(desk_);
+        }
+        overlay.people(desk_);
     }
-    overlay.people(desk_);
 }
 
 }  // namespace tessera

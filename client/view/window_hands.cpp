@@ -15,14 +15,18 @@ WindowHands::WindowHands(ViewSource& source, const ServerAddress& server, const 
 
 void WindowHands::advance(const ViewFrame& last, Extent extent, double cursor_x, double cursor_y) {
     if (!desk_ || last.width == 0) return;
-    const PlaneView view = last.view();
-    const HandPicture picture{view};
+    const HandPicture& picture = picture_of(last.view());
     const double texels = picture.texels_per_pixel(cursor_x, cursor_y);
     input_->advance(picture, cursor_x, cursor_y, extent, static_cast<int>(std::lround(std::log2(texels))));
     desk_->advance({.now = last.time.now,
                     .step = last.time.step,
                     .texels_per_pixel = texels,
                     .view = picture.seen(extent)});
+}
+
+const HandPicture& WindowHands::picture_of(const PlaneView& view) {
+    if (!picture_ || !picture_->view().is_same(view)) picture_.emplace(view);
+    return *picture_;
 }
 
 void WindowHands::bring_pictures(PlaneScene& scene, PlaneScene* second, const PictureListener& brought) {
@@ -43,7 +47,7 @@ void WindowHands::bring_pictures(PlaneScene& scene, PlaneScene* second, const Pi
 }
 
 PanelRoom WindowHands::draw_panels(const PlaneView& view, float scale, float pixels_per_unit) {
-    return desk_ ? panel_->draw(HandPicture{view}, scale, pixels_per_unit) : PanelRoom{};
+    return desk_ ? panel_->draw(picture_of(view), scale, pixels_per_unit) : PanelRoom{};
 }
 
 }  // namespace tessera

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "client/link/scene_info.h"
 #include "client/link/server_address.h"
@@ -9,6 +10,7 @@
 #include "client/view/hand_desk.h"
 #include "client/view/hand_input.h"
 #include "client/view/hand_panel.h"
+#include "client/view/hand_view.h"
 #include "client/view/view_source.h"
 
 namespace tessera {
@@ -29,7 +31,6 @@ class WindowHands {
     void advance(const ViewFrame& last, Extent extent, double cursor_x, double cursor_y);
     bool has_mouse() const { return desk_ && input_->has_mouse(); }
     bool has_keys() const { return desk_ && input_->has_keys(); }
-    bool took_escape() const { return desk_ && input_->took_escape(); }
 
     void fill(ViewFrame& frame) const {
         if (desk_) desk_->fill(frame);
@@ -45,9 +46,13 @@ class WindowHands {
     PanelRoom draw_panels(const PlaneView& view, float scale, float pixels_per_unit);
 
   private:
+    /// The same one as long as the view is.
+    const HandPicture& picture_of(const PlaneView& view);
+
     std::unique_ptr<HandDesk> desk_;
     std::unique_ptr<HandInput> input_;
     std::unique_ptr<HandPanel> panel_;
+    std::optional<HandPicture> picture_;
     const PlaneScene* known_second_ = nullptr;
 };
 

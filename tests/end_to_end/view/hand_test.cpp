@@ -92,8 +92,12 @@ class HandOverServer : public ::testing::Test {
     /// The next frame's picture.
     const Rgba8Image& frame() {
         now += ClientTime{16};
-        ViewFrame shown{
-            .camera = camera, .width = side, .height = side, .time = {now, step}, .filter = filter};
+        ViewFrame shown{.camera = camera,
+                        .width = side,
+                        .height = side,
+                        .time = {now, step},
+                        .filter = filter,
+                        .surface = surface};
         const PlaneView view = shown.view();
         desk->advance({.now = now,
                        .step = step,
@@ -176,6 +180,7 @@ class HandOverServer : public ::testing::Test {
     std::unique_ptr<HandDesk> desk;
     std::optional<FrameTarget> target;
     Camera camera;
+    Surface surface{};
     FilterChoice filter{};
     ResidencyFrame outcome;
     Rgba8Image picture;
@@ -267,6 +272,60 @@ TEST_F(HandOverServer, ADragShowsTheSpriteOnceInEveryFrameAndUndoBringsThePictur
     desk->redo();
     ASSERT_TRUE(until([&] { return is_quiet(); }));
     EXPECT_LE(difference(dragged, picture, new_x, side / 2, reach).most, 8);
+}
+
+TEST_F(HandOverServer, OnHillsAndInACorridorTheHandTakesWhatItsPixelShowsAndPutsItWhereItPoints) {
+    struct Case {
+        Surface::Kind kind;
+        double pitch;
+        int from_x, from_y, to_x, to_y;
+    };
+    for (const Case& one : {Case{Surface::Kind::terrain, -25, 110, 230, 215, 220},
+                            Case{Surface::Kind::corridor, -5, 100, 250, 292, 190}}) {  // floor to wall
+        SCOPED_TRACE(name_of(one.kind));
+        camera = {
+            .ground = {middle, middle}, .height_texels = 90, .yaw_degrees = 12, .pitch_degrees = one.pitch};
+        surface = around({.kind = one.kind, .relief = 2}, camera);
+        ASSERT_NO_FATAL_FAILURE(begin());
+        const Rgba8Image empty = picture;
+        const PlaneView view{camera, side, side, surface};
+        const HandPicture seen{view};
+        const auto from = seen.point_at(one.from_x, one.from_y, info.extent),
+                   to = seen.point_at(one.to_x, one.to_y, info.extent);
+        ASSERT_TRUE(from && to);
+        constexpr int reach = 14;
+        const auto differ = [&](const Rgba8Image& a, const Rgba8Image& b, bool at_new) {
+            return difference(a, b, at_new ? one.to_x : one.from_x, at_new ? one.to_y : one.from_y, reach)
+                .most;
+        };
+        Hand& hand = desk->hand();
+        hand.choose(0);
+        hand.press(*from, false);
+        hand.release(*from, false);
+        hand.choose(std::nullopt);
+        ASSERT_TRUE(until([&] { return is_quiet() && desk->hand().book().size() == 1; }));
+        const Rgba8Image placed = picture;
+        EXPECT_GT(differ(empty, placed, false), 50) << "where it was pointed at";
+
+        ASSERT_TRUE(hand.press(*from, false)) << "and it can be taken there";
+        ASSERT_TRUE(until([&] { return is_lifted(); }));
+        hand.drag(*to, true, false);
+        const Rgba8Image dragged = frame();
+        EXPECT_LE(differ(empty, dragged, false), 1) << "not where it was";
+        EXPECT_GT(differ(empty, dragged, true), 50) << "in the same frame";
+        hand.release(*to, true);
+        ASSERT_TRUE(until([&] {
+            EXPECT_LE(differ(empty, picture, false), 1) << "never in both places";
+            EXPECT_LE(differ(dragged, picture, true), 12) << "never in none";
+            return is_quiet();
+        }));
+        desk->undo();
+        ASSERT_TRUE(until([&] { return is_quiet(); }));
+        EXPECT_EQ(difference(placed, picture).most, 0) << "the same pages, byte for byte";
+        desk->undo();
+        ASSERT_TRUE(until([&] { return is_quiet() && desk->hand().book().size() == 0; }));
+        EXPECT_EQ(difference(empty, picture).most, 0);
+    }
 }
 
 TEST_F(HandOverServer, AnAnimatedSpriteInTheHandShowsTheFrameOfTheStepAndIsPutDownWithIt) {

@@ -137,6 +137,47 @@ TEST_F(EditingWindow, TakesSeveralSpritesTogether) {
     EXPECT_TRUE(until([&] { return count() == 2; }));
 }
 
+TEST_F(EditingWindow, EditsOnHillsAndInACorridorAndASessionOfItIsDrawnAgain) {
+    for (const auto kind : {Surface::Kind::terrain, Surface::Kind::corridor}) {
+        SCOPED_TRACE(name_of(kind));
+        surface.kind = kind;
+        const std::string session = (files.path / "session").string();
+        ASSERT_NO_FATAL_FAILURE(begin({"--record", session, "--record-hashes"}));
+        place('1', 700, 700);
+        ASSERT_TRUE(until([&] { return is_one_at(700, 700); })) << "placed";
+        let_frames_pass();
+        drag(700, 700, 740, 690);
+        ASSERT_TRUE(until([&] { return is_one_at(740, 690); })) << "dragged";
+        let_frames_pass();
+        const HandOffset corner = frame_of(sprite()).corners[2];
+        drag(740 + corner.x, 690 + corner.y, 740 + 2 * corner.x, 690 + 2 * corner.y);
+        ASSERT_TRUE(until([&] { return std::abs(sprite().scale() - 2) < 0.1; })) << "scaled by a corner";
+        let_frames_pass();
+        screen->tap(XK_Delete);
+        ASSERT_TRUE(until([&] { return count() == 0; })) << "removed";
+        let_frames_pass();
+        ASSERT_NO_FATAL_FAILURE(choose_tool(1));
+        const std::string before = page();
+        drag(690, 690, 750, 720);
+        ASSERT_TRUE(until([&] { return page() != before; })) << "painted";
+        let_frames_pass();
+        screen->tap('z', {XK_Control_L});
+        ASSERT_TRUE(until([&] { return page() == before; })) << "undone";
+        let_frames_pass();
+        for (int i = 0; i < 2; ++i) {  // the tool, the editor
+            screen->tap(XK_Escape);
+            let_frames_pass();
+        }
+        screen->tap(XK_Escape);
+        ASSERT_EQ(viewer->end().exit_code, 0);
+        testing::Program replay{
+            {VIEW_PROGRAM, "--replay", session, "--headless", "-o", (files.path / "again").string()}};
+        const auto ended = replay.end();
+        EXPECT_EQ(ended.exit_code, 0) << ended.out << ended.error;
+        EXPECT_THAT(ended.out, ::testing::HasSubstr("hashes equal"));
+    }
+}
+
 TEST_F(EditingWindow, PaintsAMapAndUndoesTheStrokeAsOne) {
     ASSERT_NO_FATAL_FAILURE(begin());
     const std::string before = page();

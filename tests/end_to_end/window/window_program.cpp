@@ -81,6 +81,7 @@ WindowOnMeadow::WindowOnMeadow() {
 
 void WindowOnMeadow::open(const std::vector<std::string>& more, int dots_per_inch, const std::string& size) {
     viewer.reset();
+    screen.reset();
     screen = std::make_unique<XScreen>(1280, 1024, dots_per_inch);
     std::vector<std::string> command{VIEW_PROGRAM,
                                      "http://127.0.0.1:" + std::to_string(port_),
@@ -91,6 +92,7 @@ void WindowOnMeadow::open(const std::vector<std::string>& more, int dots_per_inc
                                      (files.path / "path.json").string(),
                                      "-o",
                                      (files.path / "out").string()};
+    command.insert(command.end(), {"--view", std::string{name_of(surface.kind)}});
     command.insert(command.end(), more.begin(), more.end());
     viewer = std::make_unique<testing::Program>(command);
     ASSERT_TRUE(screen->wait_for_window("Tessera")) << viewer->end().error;
@@ -99,7 +101,7 @@ void WindowOnMeadow::open(const std::vector<std::string>& more, int dots_per_inc
 }
 
 WindowOnMeadow::Pixel WindowOnMeadow::pixel_of(double texel_x, double texel_y) const {
-    const PlaneView view{looks, width, height};
+    const PlaneView view{looks, width, height, around(surface, looks)};
     const auto at = HandPicture{view}.pixel_of({static_cast<std::int64_t>(texel_x * sprite_units),
                                                 static_cast<std::int64_t>(texel_y * sprite_units)});
     return {at->x, at->y};

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "client/residency/camera.h"
+#include "client/residency/surface.h"
 #include "client/view/hand_view.h"
 #include "tests/end_to_end/view/program.h"
 #include "tests/end_to_end/window/x_screen.h"
@@ -39,7 +40,7 @@ class WindowOnMeadow : public ::testing::Test {
     struct Pixel {
         double x = 0, y = 0;
     };
-    /// Of the window, where the camera has not been moved.
+    /// Of the window, where the camera has not been moved; the texel is seen.
     Pixel pixel_of(double texel_x, double texel_y) const;
     void click(double texel_x, double texel_y);
     void drag(double x0, double y0, double x1, double y1);
@@ -64,6 +65,7 @@ class WindowOnMeadow : public ::testing::Test {
     std::unique_ptr<XScreen> screen;
     std::unique_ptr<testing::Program> viewer;
     Camera looks;
+    Surface surface;  ///< Which `open` is told to show.
 
   private:
     std::string get(const std::string& target) const;
