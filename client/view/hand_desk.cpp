@@ -362,6 +362,24 @@ void HandDesk::fill(ViewFrame& frame) const {
     if (!others_.empty()) frame.held = others_.held(view_.step, hand_.animations(), hand_.book().in_order());
     for (const HeldSprite& sprite : hand_.held())
         if (is_open || sprite.hold != 0) frame.held.push_back(sprite);
+    for (PageHold& hold : frame.holds)
+        if (!hold.lifted.empty() && !has_pictures(hold.id)) {
+            hold.lifted.clear();
+            hold.lifted_boxes.clear();
+            std::erase_if(frame.held, [&](const HeldSprite& sprite) { return sprite.hold == hold.id; });
+        }
+}
+
+bool HandDesk::has_pictures(Carries::Id carry) const {
+    const auto is_here = [&](std::int32_t pattern) {
+        return pattern < 0 || pattern >= pattern_count() || picture(pattern) != nullptr;
+    };
+    const std::span<const HandSprite> own = hand_.carries().now(carry);
+    return std::ranges::all_of(own.empty() ? others_.now(carry) : own, [&](const HandSprite& sprite) {
+        return has_frames(sprite, hand_.animations())
+                   ? std::ranges::all_of(hand_.animations()[*sprite.animation]->patterns, is_here)
+                   : is_here(sprite.pattern);
+    });
 }
 
 }  // namespace tessera

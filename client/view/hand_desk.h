@@ -110,6 +110,8 @@ class HandDesk {
     void set_animations(const proto::SceneEditables& editables);
     void want_pictures();
     void want_frames(const HandSprite& sprite);
+    /// Whether all that its sprites will show is here. Until then the pages show them, where they were.
+    bool has_pictures(Carries::Id carry) const;
     void say(std::string message, ClientTime now);
 
     BackgroundStreamClient& stream_;

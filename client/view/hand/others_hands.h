@@ -35,6 +35,8 @@ class OthersHands {
     }
     bool empty() const { return carries_.empty(); }
     std::vector<PageHold> holds() const { return carries_.holds(); }
+    /// As they are held now.
+    std::span<const HandSprite> now(Carries::Id carry) const { return carries_.now(carry); }
 
   private:
     struct Held {

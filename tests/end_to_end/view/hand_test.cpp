@@ -106,7 +106,8 @@ class HandOverServer : public ::testing::Test {
         desk->fill(shown);
         for (const std::int32_t pattern : desk->take_new_pictures())
             plane->held_patterns().set_pattern(pattern, *desk->picture(pattern), desk->pattern_side_texels());
-        desk->want_picture(0);
+        if (wants_first_picture) desk->want_picture(0);
+        shown_holds = shown.holds;
         outcome = painter->update(shown);
         if (const auto drawn = painter->draw(shown, *target); !drawn)
             throw std::runtime_error{drawn.error().detail};
@@ -183,6 +184,8 @@ class HandOverServer : public ::testing::Test {
     Surface surface{};
     FilterChoice filter{};
     ResidencyFrame outcome;
+    std::vector<PageHold> shown_holds;
+    bool wants_first_picture = true;
     Rgba8Image picture;
     ClientTime now{};
     Step step = 0;
@@ -376,6 +379,40 @@ TEST_F(HandOverServer, AnAnimatedSpriteInTheHandShowsTheFrameOfTheStepAndIsPutDo
         EXPECT_LE(worst.mean, 0.2);
         x += 20;
     }
+}
+
+TEST_F(HandOverServer, ASpriteWhosePictureHasNotComeStaysOnItsPages) {
+    look_down(1);
+    wants_first_picture = false;
+    ASSERT_TRUE(until([&] { return desk->may_edit() && is_quiet(); }));
+    const Rgba8Image empty = picture;
+    proto::Change placed;
+    auto& sprite = *placed.mutable_place_sprite();
+    sprite.set_id(5);
+    sprite.set_x(middle - 60);
+    sprite.set_y(middle);
+    sprite.set_pattern(0);
+    desk->edits().make({placed});
+    ASSERT_TRUE(until([&] { return is_quiet() && desk->hand().book().size() == 1; }));
+    const Rgba8Image before = picture;
+    constexpr int old_x = side / 2 - 60, new_x = side / 2 + 70, reach = 30;
+    ASSERT_GT(difference(empty, before, old_x, side / 2, reach).most, 50);
+
+    Hand& hand = desk->hand();
+    ASSERT_TRUE(hand.press(at(-60, 0), false));
+    hand.drag(at(70, 0), true, false);
+    int without = 0;
+    ASSERT_TRUE(until([&] {
+        const bool has_picture = desk->picture(0) != nullptr;
+        EXPECT_EQ(shown_holds.at(0).lifted.empty(), !has_picture);
+        without += has_picture ? 0 : 1;
+        const bool is_old = difference(empty, picture, old_x, side / 2, reach).most > 50,
+                   is_new = difference(empty, picture, new_x, side / 2, reach).most > 50;
+        EXPECT_TRUE(is_old || is_new) << "in no frame nowhere";
+        EXPECT_FALSE(is_new && !has_picture);
+        return is_lifted() && is_new && !is_old;
+    }));
+    EXPECT_GT(without, 0) << "the picture was there from the first";
 }
 
 TEST_F(HandOverServer, WhatTheServerRefusesGoesBackAndIsSaid) {
