@@ -170,6 +170,14 @@ bool PageTable::in_window(PageKey page) const {
            page.y < window.top + window_side_;
 }
 
+bool PageTable::is_at_edge(PageKey page) const {
+    const PageKey centre = centre_page(page.level);
+    // To its farther side, in pages
+    const auto away = [](std::int64_t steps) { return steps < 0 ? -steps : steps + 1; };
+    return std::max(away(std::int64_t{page.x} - centre.x), away(std::int64_t{page.y} - centre.y)) >=
+           window_side_ / 2 - 1;
+}
+
 PageKey PageTable::centre_page(std::uint8_t level) const {
     return {level, static_cast<std::uint32_t>(centre_x_ >> (8 + level)),
             static_cast<std::uint32_t>(centre_y_ >> (8 + level))};

@@ -64,6 +64,8 @@ class PageTable {
     /// The page itself or its finest resident ancestor, whatever is shown instead of it.
     std::optional<ShownPage> resident_for(PageKey page) const;
     bool in_window(PageKey page) const;
+    /// Whether shaders may read it from the next coarser window: it is at the edge of its own, or beyond.
+    bool is_at_edge(PageKey page) const;
 
     Extent extent() const { return extent_; }
     int window_side() const { return window_side_; }

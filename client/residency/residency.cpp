@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <utility>
 
 #include "client/residency/page_wants.h"
@@ -77,6 +79,32 @@ std::size_t Residency::pinned_room() const {
     return room;
 }
 
+/// What shaders read for these: those beyond their level's window from a coarser one, those at its edge from
+/// both, by the pixel.
+std::vector<NeededPage> Residency::in_windows(std::vector<NeededPage> pages) const {
+    std::map<PageKey, double> coarser;
+    for (const NeededPage& page : pages) {
+        PageKey at = page.key;
+        double pixels = page.pixels;
+        while (at.level < extent_.n && table_.is_at_edge(at)) {
+            if (table_.in_window(at)) pixels = 0;  // counted there
+            at = parent(at);
+            coarser[at] += pixels;
+        }
+    }
+    if (coarser.empty()) return pages;
+    std::erase_if(pages, [&](const NeededPage& page) { return !table_.in_window(page.key); });
+    for (NeededPage& page : pages)
+        if (const auto found = coarser.find(page.key); found != coarser.end()) {
+            page.pixels += found->second;
+            coarser.erase(found);
+        }
+    for (const auto& [key, pixels] : coarser)
+        if (table_.in_window(key)) pages.push_back({key, pixels});
+    std::ranges::stable_sort(pages, std::greater{}, [](const NeededPage& page) { return page.key.level; });
+    return pages;
+}
+
 /// Where the cache is too small for the view, coarser levels are asked for, instead of pages chasing each
 /// other out of it for ever.
 std::vector<NeededPage> Residency::need(const PlaneView& view, const Sampling& sampling) {
@@ -89,8 +117,7 @@ std::vector<NeededPage> Residency::need(const PlaneView& view, const Sampling& s
     std::vector<NeededPage> needed;
     const double bias_before = lod_bias_;
     const auto fits = [&](double bias, double share) {
-        needed = needed_pages(view, extent_, bias, sampling);
-        std::erase_if(needed, [&](const NeededPage& page) { return !table_.in_window(page.key); });
+        needed = in_windows(needed_pages(view, extent_, bias, sampling));
         return static_cast<double>(needed.size()) <= share * static_cast<double>(room);
     };
     // One step sharper only where that leaves a margin: the bias does not swing

@@ -105,6 +105,7 @@ class Residency {
   private:
     std::size_t pinned_room() const;
     std::vector<NeededPage> need(const PlaneView& view, const Sampling& sampling);
+    std::vector<NeededPage> in_windows(std::vector<NeededPage> pages) const;
     bool is_pinned(PageKey page) const { return page.level + settings_.pinned_levels > extent_.n; }
     void mark_used(const std::vector<NeededPage>& needed);
     void hear_news();

@@ -64,6 +64,38 @@ TEST(Residency, ShowsSomethingForEveryPageOnceTheCoarsestHasCome) {
     EXPECT_GT(residency.cache().evictions(), 100u);
 }
 
+/// Many columns read pages that lie far outside of their level's window: shaders/pages.glsl looks them up in
+/// a coarser one then, whose page has to be there.
+TEST(Residency, BringsWhatIsReadFromCoarserWindows) {
+    FakePageSource source{testing::blank_page};
+    source.deliver_at_once = 100;
+    Residency residency{Extent{20}, source, {.slots = 4096, .uploads_per_frame = 500}};
+    const Sampling sampling{Sampling::Kind::line_integral, 1, 24};
+    const PlaneView view{camera_at(5'000'000, 7'000'000, 600, -10), 800, 700};
+    ResidencyFrame frame;
+    for (int i = 0; i == 0 || !frame.is_sharp(); ++i) {
+        ASSERT_LT(i, 400);
+        frame = residency.update(view, ClientTime{16 * i}, sampling);
+    }
+    EXPECT_EQ(frame.lod_bias, 0);
+    int beyond = 0;
+    for (const NeededPage& page : needed_pages(view, Extent{20}, 0, sampling)) {
+        const PageKey centre = residency.table().centre_page(page.key.level);
+        const auto away = [](std::uint32_t to, std::uint32_t from) {
+            return std::abs(static_cast<double>(to) - static_cast<double>(from) + 0.5) + 0.5;
+        };
+        const double x = away(page.key.x, centre.x), y = away(page.key.y, centre.y);
+        const int above = std::max(0, std::ilogb(std::max(x, y) / 15) + 1);
+        PageKey read = page.key;
+        for (int i = 0; i < above; ++i) read = parent(read);
+        const auto shown = residency.table().shown_for(read);
+        ASSERT_TRUE(shown);
+        EXPECT_EQ(shown->level, read.level);
+        beyond += above > 0 ? 1 : 0;
+    }
+    EXPECT_GT(beyond, 300);
+}
+
 TEST(Residency, BlursInsteadOfThrashingWhereTheCacheIsTooSmall) {
     FakePageSource source{testing::blank_page};
     Residency residency{Extent{20}, source, {.slots = 40}};
