@@ -126,6 +126,10 @@ Result<void> FilterPass::draw(const ShaderVariant& variant, const SourceBlock& s
         glBindTextureUnit(7, texels.marks);
         glBindSampler(7, nearest_.name());
     }
+    if (variant.filter.filter == Filter::line_integral && !variant.whole) {
+        glBindTextureUnit(9, texels.integral_table);
+        glBindSampler(9, nearest_.name());
+    }
     if (variant.fading || variant.overlay != Overlay::none) {
         glBindTextureUnit(8, texels.entries);
         glBindSampler(8, nearest_.name());
@@ -136,7 +140,7 @@ Result<void> FilterPass::draw(const ShaderVariant& variant, const SourceBlock& s
         geometry->draw(variant.feedback);
     else
         glDrawArrays(GL_TRIANGLES, 0, 3);
-    for (GLuint unit = 0; unit < 9; ++unit) glBindSampler(unit, 0);
+    for (GLuint unit = 0; unit < 10; ++unit) glBindSampler(unit, 0);
     return {};
 }
 

@@ -51,6 +51,7 @@ struct TexelTextures {
     GLuint table = 0;                   ///< The page table, as shaders read it.
     GLuint entries = 0;                 ///< The page table's full entries: who shows age, needs these.
     GLuint integrals = 0;               ///< See IntegralStore.
+    GLuint integral_table = 0;          ///< Like `table`, to layers of `integrals` (PageIntegrals).
     const HeldSprites* held = nullptr;  ///< Sprites in hands, prepared for the view; null: none.
     GLuint feedback = 0;  ///< R32UI, as large as the page table: entries of pages that were read become 1.
     GLuint marks = 0;     ///< R32F, one texel a slot: see Overlay::revision.

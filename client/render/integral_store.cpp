@@ -1,5 +1,6 @@
 #include "client/render/integral_store.h"
 
+#include <algorithm>
 #include <array>
 #include <string>
 
@@ -67,15 +68,19 @@ void IntegralStore::upload(int page, std::string_view texels, int gutter) {
                         GL_UNSIGNED_INT, words_.data());
 }
 
-void IntegralStore::upload_from(GLuint coded_pages, int gutter, std::span<const int> pages) {
+void IntegralStore::upload_from(GLuint coded_pages, int gutter, int layer, int page) {
     const GLsizei width = side_texels + 2 * gutter;
     std::string texels(channels * static_cast<std::size_t>(width) * static_cast<std::size_t>(width), '\0');
     glPixelStorei(GL_PACK_ALIGNMENT, 4);
-    for (const int page : pages) {
-        glGetTextureSubImage(coded_pages, 0, 0, 0, page, width, width, 1, GL_RGBA, GL_UNSIGNED_BYTE,
-                             static_cast<GLsizei>(texels.size()), texels.data());
-        upload(page, texels, gutter);
-    }
+    glGetTextureSubImage(coded_pages, 0, 0, 0, layer, width, width, 1, GL_RGBA, GL_UNSIGNED_BYTE,
+                         static_cast<GLsizei>(texels.size()), texels.data());
+    upload(page, texels, gutter);
+}
+
+void IntegralStore::copy_from(const IntegralStore& other) {
+    glCopyImageSubData(other.texture_.name(), GL_TEXTURE_2D_ARRAY, 0, 0, 0, 0, texture_.name(),
+                       GL_TEXTURE_2D_ARRAY, 0, 0, 0, 0, side_texels, side_texels,
+                       static_cast<GLsizei>(2 * std::min(pages_, other.pages_)));
 }
 
 }  // namespace tessera

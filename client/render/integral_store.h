@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <string_view>
 #include <vector>
 
@@ -26,9 +25,12 @@ class IntegralStore {
     /// Sums up a page and brings it to the GPU. `texels`: RGBA codes of (side_texels + 2·gutter)² texels.
     void upload(int page, std::string_view texels, int gutter);
 
-    /// The same for pages that are on the GPU already, as layers of an array texture of codes (RGBA8). Waits
+    /// The same for a page that is on the GPU already, as a layer of an array texture of codes (RGBA8). Waits
     /// for the GPU.
-    void upload_from(GLuint coded_pages, int gutter, std::span<const int> pages);
+    void upload_from(GLuint coded_pages, int gutter, int layer, int page);
+
+    /// All pages of a smaller one, at the same places.
+    void copy_from(const IntegralStore& other);
 
     GLuint texture() const { return texture_.name(); }
     std::size_t bytes() const { return pages_ * page_bytes; }

@@ -23,11 +23,12 @@ PageTableTexture::PageTableTexture(Extent extent, int window_side)
       texture_{make_levels(GL_RGBA8, window_side, extent)},
       entries_{make_levels(GL_RGBA32UI, window_side, extent)} {}
 
-void PageTableTexture::update(PageTable& table) {
+int PageTableTexture::update(PageTable& table) {
     glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
     const int wrapped_bits = std::countr_zero(static_cast<unsigned>(window_side_));
     const auto byte = [](std::int64_t value) { return static_cast<std::uint8_t>(value & 255); };
-    for (const std::uint8_t level : table.take_changed_levels()) {
+    const std::vector<std::uint8_t> changed = table.take_changed_levels();
+    for (const std::uint8_t level : changed) {
         bytes_.clear();
         for (const TableEntry& entry : table.entries(level)) {
             const int tag_x = (entry.page_x >> wrapped_bits) & 15,
@@ -40,6 +41,7 @@ void PageTableTexture::update(PageTable& table) {
         glTextureSubImage3D(entries_.name(), 0, 0, 0, level, window_side_, window_side_, 1, GL_RGBA_INTEGER,
                             GL_UNSIGNED_INT, table.entries(level).data());
     }
+    return changed.empty() ? -1 : changed.front();
 }
 
 }  // namespace tessera

@@ -17,8 +17,8 @@ class PageTableTexture {
   public:
     PageTableTexture(Extent extent, int window_side);
 
-    /// Brings over the levels that changed.
-    void update(PageTable& table);
+    /// Brings over the levels that changed, and returns the coarsest; −1: none has.
+    int update(PageTable& table);
 
     GLuint texture() const { return texture_.name(); }
     /// TableEntry as it is, whose tags are full and which tell when pages arrived: RGBA32UI.

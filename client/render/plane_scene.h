@@ -2,10 +2,10 @@
 
 #include <memory>
 #include <optional>
-#include <set>
+#include <span>
 
 #include "client/render/held_sprites.h"
-#include "client/render/integral_store.h"
+#include "client/render/page_integrals.h"
 #include "client/render/page_marks.h"
 #include "client/render/page_store.h"
 #include "client/render/page_table_texture.h"
@@ -57,15 +57,17 @@ class PlaneScene {
     const Residency& residency() const { return residency_; }
     const PageStore& pages() const { return pages_; }
     const PageTableTexture& page_table() const { return table_; }
+    /// How many pages there are line integrals of, or places for.
+    std::size_t integral_places() const { return integrals_ ? integrals_->places() : 0; }
     /// Of pages, and of their line integrals once those were needed.
     std::size_t gpu_bytes() const { return pages_.bytes() + (integrals_ ? integrals_->bytes() : 0); }
 
   private:
     PlaneScene(Extent extent, PageSource& source, const ResidencySettings& settings, PlaneRenderer renderer);
-    /// Of all slots, once; where there was no room it is not tried again before resize().
-    Result<void> make_integrals();
-    Result<void> bring_integrals();
-    TexelTextures textures(const IntegralStore* integrals, const HeldSprites* held, GLuint feedback) const;
+    /// Places for the line integrals of all that the view samples. Where there was no room it is not tried
+    /// again before resize().
+    Result<void> begin_integrals(std::span<const NeededPage> sampled);
+    TexelTextures textures(const HeldSprites* held, GLuint feedback) const;
 
     Residency residency_;
     PageStore pages_;
@@ -74,9 +76,9 @@ class PlaneScene {
     PageMarks marks_;
     HeldSprites held_sprites_;
     std::vector<HeldSprite> held_;
-    std::unique_ptr<IntegralStore> integrals_;  ///< Made when Filter::line_integral is first drawn
-    std::optional<Error> no_integrals_;         ///< Why there is no room for them, until resize()
-    std::set<int> without_integrals_;           ///< Slots whose page came since
+    std::optional<PageIntegrals> integrals_;  ///< Made when Filter::line_integral is first drawn
+    std::optional<Error> no_integrals_;       ///< Why there is no room for them, until resize()
+    int coarsest_changed_ = -1;               ///< Level of the table, since `integrals_` followed it
     UploadBudget budget_;
     double upload_ms_ = 0;
     double lod_bias_ = 0;

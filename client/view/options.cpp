@@ -180,11 +180,11 @@ bool read_options(int argc, const char* const* argv, Options& options, int& exit
         ->check(CLI::Range(0.5, 4.0))
         ->capture_default_str();
     app.add_option("--cache-pages", options.cache_pages,
-                   "Pages kept on the GPU, 279 KB each; line integrals take "
+                   "Pages kept on the GPU, 279 KB each; line integrals of those in the picture take "
                    "another " +
                        std::to_string(IntegralStore::page_bytes >> 20) + " MiB each")
         ->capture_default_str()
-        ->check(CLI::Range(64, 2048));
+        ->check(CLI::Range(64, 2016));  // every driver has 2048 layers, and some are stand-ins
     app.add_option("--in-flight", options.in_flight, "Pages asked for at once")
         ->capture_default_str()
         ->check(CLI::Range(1, 64));

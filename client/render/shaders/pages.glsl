@@ -2,6 +2,7 @@
 layout(binding = 0) uniform sampler2DArray pages;        // decodes to linear light
 layout(binding = 1) uniform sampler2DArray coded_pages;  // the same texels as stored
 layout(binding = 2) uniform sampler2DArray page_table;   // PageTableTexture says what its bytes are
+layout(binding = 9) uniform sampler2DArray integral_table;  // the same, to places of line integrals
 #if defined(FADING) || defined(OVERLAY)
 layout(binding = 8) uniform usampler2DArray table_entries;
 #endif
@@ -27,9 +28,9 @@ struct Shown {
     float layer;
     int level;
 };
-Shown shown_for(int level, ivec2 page) {
+Shown shown_for(sampler2DArray table, int level, ivec2 page) {
     ivec2 entry = page & (window_side - 1);
-    vec4 bytes = texelFetch(page_table, ivec3(entry, level), 0);
+    vec4 bytes = texelFetch(table, ivec3(entry, level), 0);
     ivec2 tag = page >> window_log2 & 15;
     float expected = float(tag.x + 16 * tag.y) / 255.0;
     return Shown(bytes.z < 254.5 / 255.0 && abs(bytes.w - expected) < 0.5 / 255.0, 255.0 * (bytes.x + 256.0 * bytes.y),
@@ -41,12 +42,12 @@ int levels_above(int level, float distance) {
     return max((floatBitsToInt(distance * window_scale) >> 23) - 126 - level, 0);
 }
 
-// What is shown for the page so many steps from the origin's page; from a coarser window where it is in none
+// Whose line integrals are shown for the page so many steps from the origin's page; from a coarser window where it is in none
 bool find_cell(int level, ivec2 steps, out Cell cell) {
     ivec2 page = (origin_page >> level) + steps;
     vec2 away = abs(vec2(steps) + 0.5) + 0.5;
     int above = min(levels_above(0, max(away.x, away.y) * PAGE_SIDE), top_level - level);
-    Shown shown = shown_for(level + above, page >> above);
+    Shown shown = shown_for(integral_table, level + above, page >> above);
     cell.layer = int(shown.layer + 0.5);
     cell.level = shown.level;
     int coarser = cell.level - level;
@@ -72,7 +73,7 @@ bool find_place(int level, vec2 ground, out Place place) {
     vec2 at = (inside + origin_texels) * inverse_power_of_two(level + 8);  // in pages
     vec2 steps = clamp(floor(at), vec2(-origin), vec2((1 << (top_level - level)) - 1 - origin));
     ivec2 page = origin + ivec2(steps);
-    Shown shown = shown_for(level, page);
+    Shown shown = shown_for(page_table, level, page);
     place.layer = shown.layer;
     place.level = shown.level;
     int coarser = place.level - level;

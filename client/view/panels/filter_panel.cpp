@@ -81,10 +81,10 @@ void filter_panel(PanelColumns& columns, const PanelContents& contents, ViewerSw
     if (columns.begin(PanelColumns::Side::left, "Filter")) {
         filter_choice("left", switches.filter);
         if (reads_integrals(switches)) {
-            const std::size_t slots = contents.plane.residency().slots();
+            const std::size_t places = contents.plane.integral_places();
             wrapped(panel_colours::quiet,
-                    text("sums of %zu pages: %.0f MB more on the GPU; --cache-pages sets how many", slots,
-                         static_cast<double>(slots * IntegralStore::page_bytes) / 1e6));
+                    text("sums of %zu pages: %.0f MB more on the GPU; fewer columns need fewer", places,
+                         static_cast<double>(places * IntegralStore::page_bytes) / 1e6));
         }
         split_choice(switches);
     }

@@ -168,9 +168,11 @@ bool run(const View& view, int rounds) {
     std::printf(
         "trilinear costs %.2f plain frames of %.2f ms (limit %.1f), 16x %.2f trilinear ones (limit %.1f), "
         "line integrals "
-        "%.2f (limit %.1f)%s\n",
+        "%.2f (limit %.1f), with room for the sums of %zu pages, %.0f MB%s\n",
         plains, median_of(plain_costs), view.most_plains, trilinears, view.most_trilinears, of_integrals,
-        view.most_of_integrals, holds ? "" : ": TOO MUCH");
+        view.most_of_integrals, screen.scene->integral_places(),
+        static_cast<double>(screen.scene->integral_places() * IntegralStore::page_bytes) / 1e6,
+        holds ? "" : ": TOO MUCH");
     return holds;
 }
 

@@ -178,12 +178,13 @@ TEST_F(Filters, ShowTheCoarserPageWhereTheFineOneIsMissing) {
         table.show(page, {static_cast<Slot>(i), 1, 0});
     }
     table_texture.update(table);
-    const int slots[] = {0, 1, 2, 3};
-    (*integrals)->upload_from(store.coded_texture(), gutter_texels, slots);
+    for (const int slot : {0, 1, 2, 3})
+        (*integrals)->upload_from(store.coded_texture(), gutter_texels, slot, slot);
     const TexelTextures textures{.colour = store.texture(),
                                  .coded = store.coded_texture(),
                                  .table = table_texture.texture(),
-                                 .integrals = (*integrals)->texture()};
+                                 .integrals = (*integrals)->texture(),
+                                 .integral_table = table_texture.texture()};
     // Footprints of 2.4 texels of level 0, upright: their integral over level 1 is known
     const Situation situation = seen({2.4, 0, -100.3, 0, 2.4, -90.7, 0, 0, 1}, origin);
     const FloatPicture picture = draw(situation, {.filter = Filter::line_integral}, textures, Extent{8}, 32);

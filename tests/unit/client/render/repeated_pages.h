@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -74,16 +73,16 @@ class RepeatedPages {
         auto made = IntegralStore::make(keys.size());
         if (!made) throw std::runtime_error{made.error().detail};
         integrals_ = std::move(*made);
-        std::vector<int> slots(keys.size());
-        std::iota(slots.begin(), slots.end(), 0);
-        integrals_->upload_from(store_->coded_texture(), gutter_texels, slots);
+        for (int slot = 0; slot < static_cast<int>(keys.size()); ++slot)
+            integrals_->upload_from(store_->coded_texture(), gutter_texels, slot, slot);
     }
 
     TexelTextures textures() const {
         return {.colour = store_->texture(),
                 .coded = store_->coded_texture(),
                 .table = table_texture_.texture(),
-                .integrals = integrals_->texture()};
+                .integrals = integrals_->texture(),
+                .integral_table = table_texture_.texture()};
     }
 
   private:
