@@ -2,6 +2,7 @@
 
 #include <fstream>
 
+#include <OpenImageIO/imagebuf.h>
 #include <gmock/gmock.h>
 
 #include "client/render/gl_context.h"
@@ -76,6 +77,54 @@ TEST(CompareFilters, FindsLineIntegralsFourTimesBetterThan16xInEverySituation) {
     proto::AccuracyReport read;
     ASSERT_TRUE(read_json(text, "report.json", read));
     EXPECT_EQ(read.rows_size(), report->rows_size());
+}
+
+/// The middle of each photograph, or what is made instead of them where there are none.
+std::vector<CompareTexture> photographs() {
+    std::vector<CompareTexture> all;
+    if (std::filesystem::exists(EXEMPLARS))
+        for (const auto& file : std::filesystem::directory_iterator{EXEMPLARS}) {
+            const std::string extension = file.path().extension().string();
+            if ((extension != ".jpg" && extension != ".png") ||
+                file.path().stem().string().ends_with("-height"))
+                continue;
+            OIIO::ImageBuf image{file.path().string()};
+            const int side = std::min({512, image.spec().width, image.spec().height});
+            if (side < 512 || image.nchannels() < 3) continue;
+            CompareTexture texture{file.path().stem().string(), {512, 512}, {}};
+            std::vector<std::uint8_t> codes(std::size_t{3} * 512 * 512);
+            const int left = (image.spec().width - 512) / 2, top = (image.spec().height - 512) / 2;
+            image.get_pixels(OIIO::ROI{left, left + 512, top, top + 512, 0, 1, 0, 3}, OIIO::TypeDesc::UINT8,
+                             codes.data());
+            for (std::int32_t y = 0; y < 512; ++y)
+                for (std::int32_t x = 0; x < 512; ++x) {
+                    std::uint8_t* texel = texture.image.row(y) + 4 * x;
+                    std::copy_n(&codes[static_cast<std::size_t>(y * 512 + x) * 3], 3, texel);
+                    texel[3] = 255;
+                }
+            all.push_back(std::move(texture));
+        }
+    if (all.empty()) all.push_back(rubble());
+    return all;
+}
+
+TEST(CompareFilters, FindsLineIntegralsFourTimesBetterThan16xOnEveryPhotograph) {
+    const auto context = make_headless_context();
+    ASSERT_TRUE(context) << context.error().detail;
+    const TemporaryFolder folder;
+    const CompareJob job{.textures = photographs(),
+                         .width = 160,
+                         .height = 140,
+                         .folder = folder.path,
+                         .rounds = 1,
+                         .command = "photographs"};
+    const auto report = compare_filters(job, [](const std::string&) {});
+    ASSERT_TRUE(report) << report.error().detail;
+    EXPECT_EQ(report->claims_size(), 6 * static_cast<int>(job.textures.size()));
+    for (const auto& claim : report->claims()) {
+        std::cout << claim.text() << ": " << claim.figures() << '\n';
+        EXPECT_TRUE(claim.holds()) << claim.text() << ": " << claim.figures();
+    }
 }
 
 TEST(CompareTextures, AreRefusedByNameWithWhatToDo) {
