@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <iostream>
+#include <random>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -329,6 +330,56 @@ TEST_F(HandOverServer, OnHillsAndInACorridorTheHandTakesWhatItsPixelShowsAndPuts
         ASSERT_TRUE(until([&] { return is_quiet() && desk->hand().book().size() == 0; }));
         EXPECT_EQ(difference(empty, picture).most, 0);
     }
+}
+
+TEST_F(HandOverServer, OnHillsAndInACorridorWhatIsHeldLooksAsThePages) {
+    look_down(1);
+    ASSERT_NO_FATAL_FAILURE(begin());
+    std::mt19937 random{5};
+    const auto uniform = [&](double low, double high) {
+        return std::uniform_real_distribution{low, high}(random);
+    };
+    int tried = 0;
+    for (int i = 0; tried < 14 && i < 60; ++i) {
+        camera = {.ground = {middle, middle},
+                  .height_texels = uniform(40, 300),
+                  .yaw_degrees = uniform(0, 360),
+                  .pitch_degrees = uniform(-30, -4)};
+        const bool is_hills = i % 4 != 3;
+        surface = around(
+            {.kind = is_hills ? Surface::Kind::terrain : Surface::Kind::corridor, .relief = uniform(0.5, 3)},
+            camera);
+        filter = {i % 2 == 1 ? Filter::anisotropic : Filter::trilinear};
+        frame();
+        const PlaneView view{camera, side, side, surface};
+        const auto at = HandPicture{view}.point_at(uniform(60, 260), uniform(100, 300), info.extent);
+        if (!at || std::hypot(plane_point(*at).x - middle, plane_point(*at).y - middle) > 900) continue;
+        ++tried;
+        Hand& hand = desk->hand();
+        hand.choose(0);
+        hand.press(*at, false);
+        hand.release(*at, false);
+        hand.choose(std::nullopt);
+        ASSERT_TRUE(until([&] { return is_quiet() && hand.book().size() == 1; }));
+        hand.select_all();
+        hand.preview_scale(uniform(1, 4));
+        hand.put_preview();
+        ASSERT_TRUE(until([&] { return is_quiet(); }));
+        const Rgba8Image placed = picture;
+        // Lifted, and held where it is
+        ASSERT_TRUE(hand.press(*at, false));
+        hand.drag(*at, true, false);
+        ASSERT_TRUE(until([&] { return is_lifted(); }));
+        const Difference held = difference(placed, frame());
+        EXPECT_LE(held.most, filter.filter == Filter::trilinear ? 4 : 16) << "view " << i;
+        EXPECT_LE(held.mean, 0.2);
+        hand.cancel();
+        hand.select_all();
+        hand.remove();
+        ASSERT_TRUE(until([&] { return is_quiet() && hand.book().size() == 0; }));
+        EXPECT_GT(difference(placed, picture).most, 40) << "it was seen";
+    }
+    EXPECT_EQ(tried, 14);
 }
 
 TEST_F(HandOverServer, AnAnimatedSpriteInTheHandShowsTheFrameOfTheStepAndIsPutDownWithIt) {
