@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "client/render/integral_store.h"
+#include "client/view/viewer_state.h"
 
 namespace tessera {
 namespace {
@@ -184,7 +185,7 @@ bool read_options(int argc, const char* const* argv, Options& options, int& exit
                    "another " +
                        std::to_string(IntegralStore::page_bytes >> 20) + " MiB each")
         ->capture_default_str()
-        ->check(CLI::Range(64, 2016));  // every driver has 2048 layers, and some are stand-ins
+        ->check(CLI::Range(least_cache_pages, most_cache_pages));
     app.add_option("--in-flight", options.in_flight, "Pages asked for at once")
         ->capture_default_str()
         ->check(CLI::Range(1, 64));

@@ -39,6 +39,10 @@ void SessionLog::end_second() {
     if (recorder_) recorder_->end_second();
 }
 
+void SessionLog::resized(std::size_t slots) {
+    if (recorder_) recorder_->resize(slots);
+}
+
 void SessionLog::pattern(std::int32_t pattern, const Rgba8Image& image, double side_texels) {
     if (recorder_) recorder_->pattern(pattern, image, side_texels);
 }

@@ -25,6 +25,8 @@ class SessionLog {
                       const ResidencySettings& settings);
     PageSource& begin_second(PageSource& source, const ResidencySettings& settings);
     void end_second();
+    /// All caches have so many slots from the next frame on.
+    void resized(std::size_t slots);
     void pattern(std::int32_t pattern, const Rgba8Image& image, double side_texels);
 
     /// What a frame took, and what the link says meanwhile.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -13,6 +14,9 @@
 #include "shared/page/accuracy.h"
 
 namespace tessera {
+
+/// Of pages; every driver has 2048 layers, and some are stand-ins'.
+inline constexpr int least_cache_pages = 64, most_cache_pages = 2016;
 
 /// What the hands can switch.
 struct ViewerSwitches {
@@ -29,6 +33,7 @@ struct ViewerSwitches {
     bool fade = true;
     bool vsync = true;
     FilterChoice filter{};
+    std::size_t cache_pages = 0;  ///< From now on; of each part, where a picture has pages of its own in both
 };
 
 /// The next surface (or the last, with `steps` −1), as it stands around this camera.

@@ -108,6 +108,7 @@ class Viewer {
         switches_.surface = surface;
         switches_.overlay = options.overlay;
         switches_.split = split_of(options);
+        switches_.cache_pages = cache_pages_ = options.cache_pages;
         switches_.accuracy = options.accuracy;
         switches_.split_accuracy = options.split_accuracy.value_or(Accuracy::exact);
         if (path.end_seconds() > path.begin_seconds()) path_ = path;
@@ -157,6 +158,7 @@ class Viewer {
         if (const auto played = recorder_.advance(seconds, control_.camera())) control_.set(*played);
         glfwSwapInterval(switches_.vsync ? 1 : 0);
         bring_second();
+        resize_cache();
 
         const auto begin = Clock::now();
         ViewFrame shown = frame_of(size);
@@ -228,6 +230,22 @@ class Viewer {
         made.scene = std::move(*scene);
         second_ = std::make_unique<SecondScene>(std::move(made));
         painter_.set_second(second_->scene.get());
+    }
+
+    void resize_cache() {
+        if (switches_.cache_pages == cache_pages_) return;
+        const std::size_t before = std::exchange(cache_pages_, switches_.cache_pages);
+        const auto resize = [&](std::size_t pages) {
+            auto done = painter_.scene().resize(pages);
+            if (done && second_) done = second_->scene->resize(pages);
+            return done;
+        };
+        if (const auto done = resize(cache_pages_); !done) {
+            tell(done.error().detail, false);
+            switches_.cache_pages = cache_pages_ = before;
+            static_cast<void>(painter_.scene().resize(before));
+        }
+        log_.resized(cache_pages_);
     }
 
     const Residency& residency_at(const ViewFrame& frame, double x) const {
@@ -357,7 +375,8 @@ class Viewer {
     Clock::time_point told_title_{};
     PanelContents::Notice notice_;
     Clock::time_point notice_until_{};
-    double frame_ms_ = 0;  ///< Since the frame before
+    double frame_ms_ = 0;          ///< Since the frame before
+    std::size_t cache_pages_ = 0;  ///< As was asked for last
 };
 
 }  // namespace

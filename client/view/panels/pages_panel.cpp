@@ -1,8 +1,24 @@
+#include <optional>
+
 #include "client/view/panels/panels.h"
 
 namespace tessera {
+namespace {
 
-void pages_panel(PanelColumns& columns, const PanelContents& contents) {
+/// Taken when it is let go: the cache is not made anew for every pixel on the way.
+void cache_size(ViewerSwitches& switches) {
+    static std::optional<int> dragged;
+    int pages = dragged.value_or(static_cast<int>(switches.cache_pages));
+    ImGui::SetNextItemWidth(-1);
+    ImGui::SliderInt("##cache", &pages, least_cache_pages, most_cache_pages, "cache of %d pages",
+                     ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic);
+    if (ImGui::IsItemDeactivatedAfterEdit()) switches.cache_pages = static_cast<std::size_t>(pages);
+    dragged = ImGui::IsItemActive() ? std::optional{pages} : std::nullopt;
+}
+
+}  // namespace
+
+void pages_panel(PanelColumns& columns, const PanelContents& contents, ViewerSwitches& switches) {
     using namespace panel_colours;
     const ResidencyFrame& frame = contents.frame;
     const Residency& residency = contents.plane.residency();
@@ -10,6 +26,7 @@ void pages_panel(PanelColumns& columns, const PanelContents& contents) {
         ImGui::PushStyleColor(ImGuiCol_PlotHistogram, frame.is_sharp() ? good : waiting);
         ImGui::ProgressBar(static_cast<float>(frame.resident_share), {-1, 6 * contents.scale}, "");
         ImGui::PopStyleColor();
+        cache_size(switches);
         if (begin_rows("pages", contents.scale)) {
             const RequestCounts& counts = residency.requests().counts();
             row("sharp", text("%.0f %% of the picture", 100 * frame.resident_share),

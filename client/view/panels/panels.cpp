@@ -46,7 +46,7 @@ void draw_panels(const PanelContents& contents, ViewerSwitches& switches) {
         filter_panel(columns, contents, switches);
         view_panel(columns, contents, switches);
         overlay_panel(columns, contents, switches);
-        pages_panel(columns, contents);
+        pages_panel(columns, contents, switches);
         frames_panel(columns, contents, switches);
         if (switches.metrics) metrics_overlay(columns, contents);
     }

@@ -19,7 +19,8 @@ void overlay_panel(PanelColumns& columns, const PanelContents& contents, ViewerS
 /// The names of a split picture's parts, and the handle of the line between.
 void split_labels(const PanelContents& contents, const ViewerSwitches& switches);
 void filter_panel(PanelColumns& columns, const PanelContents& contents, ViewerSwitches& switches);
-void pages_panel(PanelColumns& columns, const PanelContents& contents);      ///< Cache and requests
+void pages_panel(PanelColumns& columns, const PanelContents& contents,
+                 ViewerSwitches& switches);                                  ///< Cache and requests
 void metrics_overlay(PanelColumns& columns, const PanelContents& contents);  ///< The session's figures
 void frames_panel(PanelColumns& columns, const PanelContents& contents, ViewerSwitches& switches);
 void trouble_message(const PanelContents& contents);  ///< In the corner, while something is wrong

@@ -1,6 +1,7 @@
 // Flying and looking in a real window: camera, switches, screenshots, sizes and scales of screens.
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 
 #include <X11/keysym.h>
 #include <gmock/gmock.h>
@@ -87,6 +88,36 @@ TEST_F(LookingWindow, RecordsTheCamerasWayAndPlaysIt) {
     ASSERT_TRUE(until([&] { return std::abs(camera("yaw")) < 1e-6; }));
     screen->tap('l');
     EXPECT_TRUE(until([&] { return std::abs(camera("yaw") - turned) < 1e-3; })) << "and stays at its end";
+}
+
+TEST_F(LookingWindow, TheCacheIsResizedByItsSliderAndASessionOfItIsDrawnAgain) {
+    const std::string figures = (files.path / "figures.json").string(),
+                      session = (files.path / "session").string();
+    ASSERT_NO_FATAL_FAILURE(
+        open({"--filter", "line-integral", "--metrics", figures, "--record", session, "--record-hashes"}, 96,
+             "800x760"));
+    const auto cache_megabytes = [&] {  // of the last whole line
+        std::ifstream file{figures};
+        double bytes = 0;
+        for (std::string line; std::getline(file, line);)
+            if (const std::size_t at = line.find("\"cache_bytes\""); at != std::string::npos)
+                bytes = std::atof(line.c_str() + line.find_first_of("0123456789", at));
+        return bytes / 1e6;
+    };
+    ASSERT_TRUE(until([&] { return cache_megabytes() > 250; })) << cache_megabytes();
+    constexpr std::uint32_t slider_colour = 0x29303b;
+    const auto sliders = runs_of(slider_colour, 60);
+    ASSERT_FALSE(sliders.empty());
+    const double y = sliders.back().y - 5;
+    screen->drag(sliders.back().x + 40, y, 30, y);
+    EXPECT_TRUE(until([&] { return cache_megabytes() > 0 && cache_megabytes() < 200; })) << cache_megabytes();
+    let_frames_pass();
+    screen->tap(XK_Escape);
+    ASSERT_EQ(viewer->end().exit_code, 0);
+    testing::Program replay{
+        {VIEW_PROGRAM, "--replay", session, "--headless", "-o", (files.path / "again").string()}};
+    const auto ended = replay.end();
+    EXPECT_EQ(ended.exit_code, 0) << ended.out << ended.error;
 }
 
 TEST_F(LookingWindow, ASplitPicturesLineIsDragged) {
