@@ -168,11 +168,11 @@ BitMask cut_content(const PatchGround& ground, const PerceptualImage& photo, Off
 
     Cut cut{width, height};
 
-    // What is usual in the photograph is hardly seen along a border either: only what is beyond it counts in
-    // full
+    // What is usual in the photograph is not seen along a border either: only what is beyond it counts, and
+    // a long border in quiet places costs nothing
     const auto price = [&](const PerceptualColor& a, const PerceptualColor& b) {
         const std::uint32_t seen = color_distance(a, b);
-        return seen / 16 + (seen > usual ? seen - usual : 0) +
+        return (seen > usual ? seen - usual : 0) +
                (seen > 2 * usual ? hard_edge_weight * (seen - 2 * usual) : 0);
     };
     // Along the patch's own border: inside it meets the content, else the tile, which meets itself as usual

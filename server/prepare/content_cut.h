@@ -44,7 +44,7 @@ using ColorsBeside = std::unordered_map<std::size_t, std::vector<PerceptualColor
 
 /// The shape in which a place of the photograph is best shown on a patch: the cheapest cut between it and the
 /// tile, inside the patch; texels deeper than `core` are always in. The cut's price is the sum of what will
-/// be seen along it, in color_distance()s, of which only what is beyond `usual` counts in full, and what is
+/// be seen along it, in color_distance()s, of which only what is beyond `usual` counts, and what is
 /// beyond twice that threefold: few hard edges are seen more than many weak ones. (Kwatra et
 /// al., "Graphcut textures", ACM TOG 22(3), 2003, sum how the images differ on both sides instead; that a
 /// colour meets the like of it is enough, and finds a third less to be seen.) `tile_prices`: for each texel

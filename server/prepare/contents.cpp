@@ -16,7 +16,7 @@ constexpr int candidates_for_each = 8;
 constexpr int recuts = 6;
 /// The part of the repetition that is tolerated, 1 / contents + 3 %, that is aimed at: blending adds to what
 /// hard shapes repeat.
-constexpr int repetition_percent = 70;
+constexpr int repetition_percent = 66;
 
 /// What the texels around a patch show.
 ColorsBeside colors_beside(const std::vector<PatchContents>& contents, const Segmentation& segmentation,

@@ -13,7 +13,7 @@ namespace tessera {
 
 /// Raise it whenever the same photograph and options give another asset: assets of another version are made
 /// again where that needs nobody's consent.
-inline constexpr std::uint32_t prepare_version = 8;
+inline constexpr std::uint32_t prepare_version = 9;
 
 /// A further image of the photograph's surface, as large as the photograph: "normal", "roughness" or
 /// "height".
