@@ -206,6 +206,25 @@ class TargetDistance::Search {
         const Columns columns = between(x - half, x + half);
         return columns.empty() ? Columns{} : columns;
     }
+    /// Whether a row has any column between two circles, were there more of them than it has: mostly not, and
+    /// that is told sooner than which.
+    bool may_hold_places(double x, double off_y, double inner, double outer) const noexcept {
+        // As far as doubles count columns far more finely than the margin
+        constexpr double most = 1 << 20;
+        if (outer > most || std::abs(x) > most) return true;
+        const double wide = outer * outer - off_y * off_y, hole = inner * inner - off_y * off_y;
+        if (wide < 0) return false;
+        const auto holds = [&](double from, double to) {
+            // The column next to their middle
+            constexpr double whole = 3LL << 51;
+            const double middle = (from + to) / 2 * per_spacing_;
+            return std::abs(middle - (middle + whole - whole)) <= (to - from) / 2 * per_spacing_;
+        };
+        const double far = std::sqrt(wide);
+        // Where the inner one does not come to the row, all of the outer one's
+        const double near = inner > 0 && hole > 0 ? std::sqrt(hole) : -far;
+        return holds(x - far, x - near) || holds(x + near, x + far);
+    }
     /// Of the hull of two discs that are `steps` steps apart.
     Columns hull(const Part& part, double steps, double y, double radius) const noexcept {
         double left = HUGE_VAL, right = -HUGE_VAL;
@@ -257,6 +276,8 @@ class TargetDistance::Search {
         constexpr std::int64_t few = 8;
         const double y = static_cast<double>(row) * spacing_;
         const Part& first = parts.front();
+        if (!may_hold_places(first.x, y - first.y, radius - way - margin, radius + way + margin))
+            return false;
         const Columns outer = disc(first.x, y - first.y, radius + way + margin),
                       inner = disc(first.x, y - first.y, radius - way - margin);
         if (outer == inner) return false;
@@ -324,14 +345,22 @@ class TargetDistance::Search {
         ask_middle({middle + 1, columns.last}, clip, ask);
     }
 
+    std::int32_t frame_at(MotionPoint place, Step step) const noexcept {
+        std::int32_t frame = 0;
+        for (const Near& near : near_) {
+            const bool on_walk =
+                near.walk.begin <= step && step <= add_steps(near.walk.begin, near.walk.steps);
+            const MovingTarget::Walk walk = on_walk ? near.walk : near.target->walk_at(step);
+            frame = std::max(frame, law_.frame_on(walk, place, step - walk.begin));
+        }
+        return frame;
+    }
     /// The first frame to come at a place is the next, as soon as some target comes within its ring; or one
     /// before, as soon as the last target leaves the ring of what is shown.
     void ask_place(std::int64_t column, std::int64_t row, const Part& part) {
         const MotionPoint place{places_.first.x + column * places_.spacing,
                                 places_.first.y + row * places_.spacing};
-        std::int32_t frame = 0;
-        for (const Near& near : near_)
-            frame = std::max(frame, law_.frame_on(near.walk, place, step_ - near.walk.begin));
+        const std::int32_t frame = frame_at(place, step_);
         const auto shown = static_cast<std::size_t>(frame);
         if (shown != ring_ && shown != ring_ + 1) return;
         const bool comes = shown == ring_;
@@ -350,7 +379,7 @@ class TargetDistance::Search {
                                               : first_of(from, to, closest + within + 1, outside);
             if (change > to) return;
             const Step until = add_steps(part.walk.begin, change);
-            if (comes || near_.size() == 1 || law_.frame_at(place, until) != frame) found_.until = until;
+            if (comes || near_.size() == 1 || frame_at(place, until) != frame) found_.until = until;
         } else {
             const std::int64_t end = std::max<std::int64_t>(0, found_.from - part.walk.begin);
             const std::int64_t to = comes ? part.begin : std::min(part.begin, closest);
@@ -360,7 +389,7 @@ class TargetDistance::Search {
                                               : last_of(from, to, closest - within - 1, outside);
             if (change < from) return;
             const Step last = add_steps(part.walk.begin, change);
-            if (comes || near_.size() == 1 || law_.frame_at(place, last) != frame) found_.from = last + 1;
+            if (comes || near_.size() == 1 || frame_at(place, last) != frame) found_.from = last + 1;
         }
     }
 
