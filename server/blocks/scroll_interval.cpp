@@ -273,29 +273,41 @@ class MixedSearch {
 
     /// Whether shift k shows something else than shift 0; if not, what changes in it is told to the way.
     bool differs(std::int64_t k) {
-        const auto width = static_cast<std::size_t>(block_.width);
-        std::vector<CellAt> cells(2 * width);
-        std::vector<Look> looks(2 * width);
-        std::vector<Validity> frames(2 * width);
-        const std::int64_t here = way_.shifted(0), there = way_.shifted(k);
-        // The row that was told apart first
+        // The row that was told apart first, and in each the part that was: nearly always that is enough
+        const std::int64_t odd_x = seen_.first().x - block_.x, odd_y = seen_.first().y - block_.y;
+        const std::int64_t first = std::clamp<std::int64_t>(odd_x, 0, block_.width - 1) / some * some;
         for (std::int64_t row = 0; row < block_.height; ++row) {
-            const std::int64_t odd = seen_.first().y - block_.y;
-            const std::int64_t y = block_.y + (odd + row) % block_.height;
-            for (std::size_t i = 0; i < width; ++i) {
-                const std::int64_t x = block_.x + static_cast<std::int64_t>(i);
-                cells[i] = {x + here, y, block_.step, {block_.step, add_steps(block_.step, 1)}};
-                cells[width + i] = {x + there, y, way_.enter(k), way_.within(way_.enter(k), k)};
-            }
-            cells_.ask(cells, looks, frames);
-            for (std::size_t i = 0; i < width; ++i) {
-                if (!cells_.same(looks[i], looks[width + i])) return true;
-                const Step next = way_.after(frames[width + i]);
-                if (!way_.is_beyond(next, k)) way_.change_into(next);
-            }
+            const std::int64_t y = block_.y + (odd_y + row) % block_.height;
+            for (std::int64_t x = first; x < block_.width; x += some)
+                if (differ(x, y, k)) return true;
+            for (std::int64_t x = 0; x < first; x += some)
+                if (differ(x, y, k)) return true;
         }
         return false;
     }
+    /// The same of some cells of a row, from cell x of the block on.
+    bool differ(std::int64_t x, std::int64_t y, std::int64_t k) {
+        const auto count = static_cast<std::size_t>(std::min(some, block_.width - x));
+        std::array<CellAt, 2 * some> cells;
+        std::array<Look, 2 * some> looks;
+        std::array<Validity, 2 * some> frames;
+        const Step step = way_.enter(k);
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::int64_t at = block_.x + x + static_cast<std::int64_t>(i);
+            cells[i] = {at + way_.shifted(0), y, block_.step, {block_.step, add_steps(block_.step, 1)}};
+            cells[count + i] = {at + way_.shifted(k), y, step, way_.within(step, k)};
+        }
+        cells_.ask(std::span{cells}.first(2 * count), std::span{looks}.first(2 * count),
+                   std::span{frames}.first(2 * count));
+        for (std::size_t i = 0; i < count; ++i) {
+            if (!cells_.same(looks[i], looks[count + i])) return true;
+            const Step next = way_.after(frames[count + i]);
+            if (!way_.is_beyond(next, k)) way_.change_into(next);
+        }
+        return false;
+    }
+
+    static constexpr std::int64_t some = 4;  ///< Cells of a row that are compared at once.
 
     const CellBlock& block_;
     const SeenCells& seen_;

@@ -194,10 +194,18 @@ StillRuns::Found StillRuns::Walk::next(std::int64_t most) {
 
 std::size_t StillRuns::Walk::next_others(std::int64_t most, std::span<std::int64_t> xs) {
     const StoredMap& map = *runs_->map_;
-    if (!known_ || row_.blank || map.cells_log2 != 0 || runs_->only_one_) return 0;
+    if (row_.blank || map.cells_log2 != 0 || runs_->only_one_) return 0;
     std::int64_t i = x_ - map.x;
     if (map.edge == StoredMap::Edge::wrap) i = StoredMap::wrapped(i, map.width);
     if (i < 0 || i >= map.width) return 0;
+    if (!known_) {
+        if (most <= 0 || runs_->kind_of(runs_->value_of(row_, i)) != kind_) return 0;
+        known_ = true;
+        if (right_) {  // What begins with this entry is of the kind
+            ++x_, --most;
+            if (++i == map.width) return 0;
+        }
+    }
     const std::int64_t number = i / part_bits, first = number * part_bits;
     const Part& part = runs_->part_of(row_, number);
     return right_ ? others_to_right(part, i - first, std::min({most, part_bits - (i - first), map.width - i}),
